@@ -42,6 +42,9 @@ impl FromStr for Assignment {
             };
             return Err(format!("a controller's file has no table `{first}`{hint}"));
         }
+        if is_too_large(value) {
+            return Err(format!("{value}: is larger than any number of 64 bits"));
+        }
         let value = format!("value = {value}")
             .parse::<toml::Table>()
             .ok()
@@ -52,6 +55,15 @@ impl FromStr for Assignment {
             value,
         })
     }
+}
+
+/// Whether a text is a number that TOML has no room for: taken for a text, it would be refused as one.
+fn is_too_large(value: &str) -> bool {
+    let digits = value.trim_start_matches(['+', '-']);
+    let is_whole = digits.chars().all(|c| c.is_ascii_digit()) && !digits.starts_with('0');
+    let number = value.parse::<f64>();
+    digits.starts_with(|c: char| c.is_ascii_digit())
+        && (number.is_ok_and(f64::is_infinite) || is_whole && value.parse::<i64>().is_err())
 }
 
 impl Assignment {
@@ -145,6 +157,13 @@ mod tests {
     fn keys_that_are_nowhere_are_refused_with_a_hint() {
         let refused = |text: &str| Assignment::from_str(text).unwrap_err();
         assert!(refused("duration=2").contains("`change.duration`"));
+        for value in ["1e400", "-1e400", "99999999999999999999"] {
+            let words = refused(&format!("task.com.kp={value}"));
+            assert!(words.contains("is larger than any number"), "{words}");
+        }
+        for value in ["1e300", "inf", "0x10", "9223372036854775807", "a1"] {
+            read(&format!("task.com.kp={value}"));
+        }
         assert!(refused("tsk.com.kp=2").contains("did you mean `task`"));
         assert!(refused("task com=2").contains("not a key"));
         assert!(refused("task.com.kp").contains("KEY=VALUE"));

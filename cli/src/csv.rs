@@ -2,14 +2,17 @@
 
 use std::{
     fs,
+    io::Write,
     path::{Path, PathBuf},
 };
 
 use anyhow::{Context, Result, bail};
 use wbqp_measures::{
-    Recording,
+    Recording, Series,
     log::{Contents, Log},
 };
+
+use crate::output::{self, Existing};
 
 /// Writes a file per topic, `contact_tip.csv` of `/contact/tip`, into a folder that is made if need be; returns them
 /// with their numbers of rows. The first column is the time, `t` in s; the others are called by the names of the
@@ -33,7 +36,10 @@ pub(crate) fn write(log: &Log, topics: &[&str], folder: &Path) -> Result<Vec<(Pa
                 file.display()
             );
         }
-        table(log, topic, &contents, &file).with_context(|| file.display().to_string())?;
+        let columns = log.columns(topic, &contents.numbers)?;
+        output::write_with(&file, Existing::IsReplaced, |to| {
+            table(&contents, &columns, to).map_err(Into::into)
+        })?;
         files.push((file, contents.times.len()));
     }
     if files.is_empty() {
@@ -42,14 +48,13 @@ pub(crate) fn write(log: &Log, topics: &[&str], folder: &Path) -> Result<Vec<(Pa
     Ok(files)
 }
 
-fn table(log: &Log, topic: &str, contents: &Contents, file: &Path) -> Result<()> {
+fn table(contents: &Contents, columns: &[Series], to: &mut dyn Write) -> csv::Result<()> {
     let Contents {
         times,
         numbers,
         texts,
     } = contents;
-    let columns = log.columns(topic, numbers)?;
-    let mut out = csv::Writer::from_path(file)?;
+    let mut out = csv::Writer::from_writer(to);
     let names = numbers
         .iter()
         .chain(texts.keys())

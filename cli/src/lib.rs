@@ -7,6 +7,7 @@ pub mod check;
 pub mod command_line;
 mod csv;
 pub mod export_mjcf;
+pub mod failure;
 mod leaning;
 pub mod log;
 pub mod new;

@@ -8,11 +8,11 @@ use std::{
 use anyhow::{Context, Result};
 use clap::{Args, Subcommand};
 use wbqp::input::size;
-use wbqp_log::{Repaired, repair};
+use wbqp_log::{Repaired, RunLock, repair};
 use wbqp_measures::log::Log;
-use wbqp_terminal::say;
+use wbqp_terminal::{complain, say};
 
-use crate::csv;
+use crate::{csv, text::seconds};
 
 /// Looks after logs
 #[derive(Args, Debug)]
@@ -81,12 +81,18 @@ fn tables(file: &Path, topics: &[String], out: Option<&PathBuf>) -> Result<ExitC
 
 fn repaired(file: &Path, output: Option<&PathBuf>) -> Result<ExitCode> {
     let output = output.cloned().unwrap_or_else(|| beside(file));
+    if let Some(by) = RunLock::holder(file) {
+        complain!(
+            "warning: {}: a run is writing it, {by}; what comes from now on is not in the new file",
+            file.display()
+        );
+    }
     let found = repair(file, &output)?;
     say!(
         "{}: {} messages, up to {} s, of {}, {}",
         output.display(),
         found.messages,
-        found.end,
+        seconds(found.end),
         file.display(),
         state(&found)
     );

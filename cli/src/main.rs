@@ -3,7 +3,7 @@
 use std::{io, process::ExitCode};
 
 use clap::Parser;
-use wbqp_cli::command_line::CommandLine;
+use wbqp_cli::{command_line::CommandLine, failure};
 use wbqp_terminal::complain;
 
 fn main() -> ExitCode {
@@ -12,7 +12,7 @@ fn main() -> ExitCode {
         // Whoever reads has enough: the status of a program that a closed pipe ends.
         Err(error) if is_closed_pipe(&error) => ExitCode::from(141),
         Err(error) => {
-            for line in text(&error).lines() {
+            for line in failure::lines(&error) {
                 // What is set in belongs to the line before it.
                 let mark = if line.starts_with(' ') { "" } else { "error: " };
                 complain!("{mark}{line}");
@@ -27,18 +27,4 @@ fn is_closed_pipe(error: &anyhow::Error) -> bool {
         .chain()
         .filter_map(|cause| cause.downcast_ref::<io::Error>());
     causes.any(|error| error.kind() == io::ErrorKind::BrokenPipe)
-}
-
-/// The error and its causes; many messages have that of their cause in them.
-fn text(error: &anyhow::Error) -> String {
-    error.chain().fold(String::new(), |all, cause| {
-        let cause = cause.to_string();
-        if all.is_empty() {
-            cause
-        } else if cause.lines().all(|line| all.contains(line)) {
-            all
-        } else {
-            format!("{all}: {cause}")
-        }
-    })
 }

@@ -189,6 +189,7 @@ pub mod error;
 pub mod fault;
 #[doc(hidden)] // the crates of this workspace read their files with it
 pub mod input;
+mod one_line;
 pub mod plugin;
 pub mod prelude;
 mod problem;

@@ -3,7 +3,7 @@
 
     cargo build --release --bin tick_stats
     for robot in othex quadruped humanoid; do
-        target/release/tick_stats --robot $robot --dump-problems target/$robot.json
+        target/release/tick_stats --robot $robot --force --dump-problems target/$robot.json
     done
     python3 -m venv target/peers && target/peers/bin/pip install -r tests/peers/requirements.txt
     target/peers/bin/python tests/peers/compare.py --wbqp target/release/tick_stats target/*.json

@@ -9,6 +9,8 @@ use wbqp_replay::DumpFolder;
 use wbqp_sim::{RunOptions, SceneWatcher, run_case};
 use wbqp_terminal::say;
 
+use crate::output::{self, Existing};
+
 /// The most dumps of ticks that a case writes.
 const MOST_DUMPS: usize = 4;
 
@@ -79,7 +81,8 @@ pub(super) fn keep(campaign: &Campaign, run: &Run, with_log: bool, out: &Path) -
         let case = match case {
             Ok(case) => case,
             Err(why) => {
-                fs::write(path.join("refused.txt"), why + "\n")?;
+                let text = why + "\n";
+                output::write(&path.join("refused.txt"), &text, Existing::IsReplaced)?;
                 continue;
             }
         };
@@ -104,7 +107,7 @@ pub(super) fn keep(campaign: &Campaign, run: &Run, with_log: bool, out: &Path) -
             scenario.source().name,
             run.seed
         );
-        fs::write(path.join("variation.toml"), text)?;
+        output::write(&path.join("variation.toml"), &text, Existing::IsReplaced)?;
     }
     Ok(())
 }

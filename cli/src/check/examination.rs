@@ -1,5 +1,7 @@
 //! What a check shows, as data: the JSON is this, and the text is made from it.
 
+use std::path::Path;
+
 use serde::Serialize;
 use wbqp::{
     actuator::{Actuator, ActuatorKind, Drive},
@@ -17,8 +19,8 @@ use crate::subject::Subject;
 pub struct Examination {
     /// The file, as given.
     pub file: String,
-    /// What it is.
-    pub kind: Subject,
+    /// What it is; `null` if that cannot be told.
+    pub kind: Option<Subject>,
     /// The robot; absent if it was refused.
     #[serde(flatten)]
     pub robot: Option<Robot>,
@@ -42,6 +44,24 @@ pub struct Examination {
     /// Why the controller does not work where it begins, a line each: its first tick is not optimal, it does not stand,
     /// or something is missing to hover. Empty if it does, and for a robot alone.
     pub faults: Vec<String>,
+}
+
+impl Examination {
+    /// Of a file of which nothing is known yet.
+    pub(super) fn new(file: &Path, kind: Option<Subject>) -> Self {
+        Self {
+            file: file.display().to_string(),
+            kind,
+            robot: None,
+            controller: None,
+            memory: None,
+            holding: None,
+            remark: None,
+            warnings: Vec::new(),
+            errors: Vec::new(),
+            faults: Vec::new(),
+        }
+    }
 }
 
 /// A robot as it was loaded.

@@ -18,7 +18,7 @@ use super::{
     examination::{ControllerFacts, Examination, FrameFacts, Robot},
     holding::Holding,
 };
-use crate::{assignment::Assignment, leaning, subject::Subject};
+use crate::{assignment::Assignment, failure::utf8, leaning, subject::Subject};
 
 /// What is to be looked at, and how.
 #[derive(Clone, Debug, Default)]
@@ -37,18 +37,7 @@ pub struct Request {
 /// in the examination.
 pub fn examine(file: &Path, request: &Request, note: Note<'_>) -> Result<Examination> {
     let kind = Subject::of_file(file)?;
-    let mut examination = Examination {
-        file: file.display().to_string(),
-        kind,
-        robot: None,
-        controller: None,
-        memory: None,
-        holding: None,
-        remark: None,
-        warnings: Vec::new(),
-        errors: Vec::new(),
-        faults: Vec::new(),
-    };
+    let mut examination = Examination::new(file, Some(kind));
     let mut scenario = OfScenario::default();
     let config = read(file, kind, request, &mut scenario, note)?;
     match config {
@@ -93,7 +82,7 @@ fn read(
     note: Note<'_>,
 ) -> Result<Result<ControllerConfig, Vec<String>>> {
     Ok(match kind {
-        Subject::Urdf => of_urdf(file, &Assignment::overrides(&request.set)?),
+        Subject::Urdf => of_urdf(utf8(file)?, &Assignment::overrides(&request.set)?),
         Subject::Controller => {
             let overrides = Assignment::overrides(&request.set)?;
             ControllerConfig::from_file_with(file, &overrides).map_err(|e| lines(&e))
@@ -184,8 +173,8 @@ fn with_config(
 }
 
 /// A controller without tasks for a robot's file.
-fn of_urdf(file: &Path, overrides: &Overrides) -> Result<ControllerConfig, Vec<String>> {
-    let file = toml::Value::from(file.display().to_string());
+fn of_urdf(file: &str, overrides: &Overrides) -> Result<ControllerConfig, Vec<String>> {
+    let file = toml::Value::from(file);
     let text = format!(
         "[controller]\nrate = 1000.0\nhover = \"unchecked\"\n[robot]\ntype = \"urdf\"\nfile = {file}\n"
     );
@@ -218,7 +207,7 @@ fn robot_lines(errors: &ConfigErrors, kind: Subject) -> Vec<String> {
 pub fn robot_of(file: &Path, set: &[Assignment]) -> Result<RobotModel> {
     let overrides = Assignment::overrides(set)?;
     let refused = |lines: Vec<String>| anyhow::anyhow!(lines.join("\n"));
-    let config = of_urdf(file, &overrides).map_err(refused)?;
+    let config = of_urdf(utf8(file)?, &overrides).map_err(refused)?;
     config
         .load_robot()
         .map_err(|e| refused(robot_lines(&e, Subject::Urdf)))

@@ -11,7 +11,7 @@ pub use examination::{
 };
 pub use holding::{Effort, FirstTick, Holding, Means, Missing, undeclared};
 pub use load::{Request, configuration, examine, robot_of};
-use wbqp_terminal::complain;
+use wbqp_terminal::{complain, printable};
 
 use std::{
     io::{self, Write},
@@ -24,7 +24,11 @@ use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use wbqp::{controller::Memory, serde_json};
 
-use crate::{assignment::Assignment, subject::Subject};
+use crate::{
+    assignment::Assignment,
+    failure::{self, utf8},
+    subject::Subject,
+};
 
 /// Loads a robot, a controller or a scenario and shows what it found
 ///
@@ -115,7 +119,8 @@ impl Announced {
         };
         let mut out = io::stdout().lock();
         // Whether anybody reads shows in what follows.
-        let _ = writeln!(out, "{}:{case} needs {memory}", file.display());
+        let line = format!("{}:{case} needs {memory}", file.display());
+        let _ = writeln!(out, "{}", printable(&line));
         let _ = out.flush();
     }
 }
@@ -127,9 +132,8 @@ impl RobotOptions {
     /// A working directory that is gone.
     pub fn assignments(&self) -> Result<Vec<Assignment>> {
         let mut list = Vec::new();
-        let text = |path: &Path| -> Result<String> {
-            Ok(std::path::absolute(path)?.display().to_string())
-        };
+        let text =
+            |path: &Path| -> Result<String> { Ok(utf8(&std::path::absolute(path)?)?.to_owned()) };
         if let Some(urdf) = &self.urdf {
             list.push(Assignment::new("robot.file", text(urdf)?));
         }
@@ -159,27 +163,23 @@ impl Arguments {
     /// # Errors
     /// A file that cannot be read or is of no known kind; options that do not suit it.
     pub fn run(&self) -> Result<ExitCode> {
-        let request = Request {
-            set: self.robot.assignments()?,
-            case: self.case.clone(),
-        };
-        if self.robot.urdf.is_some() && Subject::of_file(&self.file)? == Subject::Urdf {
-            bail!("--urdf: is for a controller; the file is a URDF itself");
-        }
         if self.instead.expand || self.instead.explain_config {
-            return self.explain(&request);
+            return self.explain(&self.request()?);
         }
-        let announced = Announced::default();
-        let examination = examine(&self.file, &request, &|case, memory| {
-            if !self.json {
-                announced.say(&self.file, case, memory);
-            }
-        })?;
+        let examination = match self.examination() {
+            // Who reads JSON gets it, also of a file that cannot be looked into.
+            Err(error) if self.json => Examination {
+                errors: failure::lines(&error),
+                ..Examination::new(&self.file, None)
+            },
+            examination => examination?,
+        };
         let mut out = io::stdout().lock();
         if self.json {
             writeln!(out, "{}", serde_json::to_string_pretty(&examination)?)?;
         } else {
-            write!(out, "{}", text::text(&examination, self.frames))?;
+            let text = text::text(&examination, self.frames);
+            write!(out, "{}", printable(&text))?;
         }
         for warning in &examination.warnings {
             complain!("warning: {warning}");
@@ -194,6 +194,27 @@ impl Arguments {
                 ExitCode::FAILURE
             },
         )
+    }
+
+    fn examination(&self) -> Result<Examination> {
+        let request = self.request()?;
+        let announced = Announced::default();
+        examine(&self.file, &request, &|case, memory| {
+            if !self.json {
+                announced.say(&self.file, case, memory);
+            }
+        })
+    }
+
+    /// What the options ask for.
+    fn request(&self) -> Result<Request> {
+        if self.robot.urdf.is_some() && Subject::of_file(&self.file)? == Subject::Urdf {
+            bail!("--urdf: is for a controller; the file is a URDF itself");
+        }
+        Ok(Request {
+            set: self.robot.assignments()?,
+            case: self.case.clone(),
+        })
     }
 
     /// What the file does not say.

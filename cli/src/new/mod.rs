@@ -24,6 +24,7 @@ use wbqp::robot::RobotModel;
 use crate::{
     assignment::Assignment,
     check::robot_of,
+    failure::utf8,
     output::{self, Existing},
     run::{self, default_world},
     subject::Subject,
@@ -169,7 +170,7 @@ impl Arguments {
         options.push(Assignment::new("robot.base", base));
         for (key, file) in [("robot.rotors", &self.rotors), ("robot.srdf", &self.srdf)] {
             if let Some(file) = file {
-                options.push(Assignment::new(key, file.display().to_string()));
+                options.push(Assignment::new(key, utf8(file)?));
             }
         }
         for each in &self.set {
@@ -210,9 +211,7 @@ impl Arguments {
         draft.line("# Paths count from this file's folder.");
         draft.line("[robot]");
         let from = output.parent().unwrap_or(Path::new(""));
-        let path = |path: &Path| -> Result<String> {
-            Ok(quoted(&relative(from, path)?.display().to_string()))
-        };
+        let path = |path: &Path| -> Result<String> { Ok(quoted(utf8(&relative(from, path)?)?)) };
         draft.line(&format!("file = {}", path(&self.urdf)?));
         if self.kind == Kind::Multirotor && self.rotors.is_none() {
             draft.line(&format!("rotors = {}", path(rotor_output)?));
@@ -243,7 +242,8 @@ impl Arguments {
         let named = [Some(&self.urdf), self.rotors.as_ref(), self.srdf.as_ref()];
         let named = named.into_iter().flatten().cloned();
         let inputs: Vec<PathBuf> = named.chain(output::sources(robot)).collect();
-        output::refuse_input(file, inputs.iter().map(PathBuf::as_path))
+        output::refuse_input(file, inputs.iter().map(PathBuf::as_path))?;
+        Ok(())
     }
 }
 

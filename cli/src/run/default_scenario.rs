@@ -26,6 +26,7 @@ use wbqp_sim::{
 };
 
 use super::soles::Soles;
+use crate::failure::utf8;
 
 /// Cosine of the angle between normals that are the same.
 const SAME_NORMAL: f64 = 1.0 - 1e-6;
@@ -44,7 +45,7 @@ const FRICTION: f64 = 1.3;
 #[derive(Serialize)]
 struct File<'a> {
     name: &'a str,
-    controller: &'a Path,
+    controller: &'a str,
     duration: f64,
     initial: Initial,
     plant: PlantConfig,
@@ -70,6 +71,7 @@ pub(super) fn text(
     overrides: &Overrides,
     duration: f64,
 ) -> Result<String> {
+    let controller_text = utf8(controller_file)?;
     let config = ControllerConfig::from_file_with(controller_file, overrides)?;
     let soles = Soles::of(&config)?;
     let controller = Controller::new(config)?;
@@ -101,7 +103,7 @@ pub(super) fn text(
     let (roll, pitch, yaw) = robot.home.R_WR.euler_angles();
     let file = File {
         name,
-        controller: controller_file,
+        controller: controller_text,
         duration,
         initial: Initial {
             position: Some(robot.home.p_WR.into()),

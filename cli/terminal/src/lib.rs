@@ -1,10 +1,14 @@
-//! What this workspace's programs have in common on a terminal: lines, progress bars, options, the scenarios that ship.
+//! What this workspace's programs have in common: lines, progress bars, options, files that they write, the scenarios
+//! that ship.
 
 mod options;
+pub mod output;
+mod printable;
 mod progress;
 mod scenarios;
 
 pub use options::{Common, live_address};
+pub use printable::printable;
 pub use progress::{Progress, ProgressBars};
 pub use scenarios::scenario_file;
 
@@ -13,7 +17,8 @@ pub use scenarios::scenario_file;
 macro_rules! say {
     ($($words:tt)*) => {{
         use ::std::io::Write as _;
-        let _ = ::std::writeln!(::std::io::stdout(), $($words)*);
+        let words = ::std::format!($($words)*);
+        let _ = ::std::writeln!(::std::io::stdout(), "{}", $crate::printable(&words));
     }};
 }
 
@@ -22,6 +27,7 @@ macro_rules! say {
 macro_rules! complain {
     ($($words:tt)*) => {{
         use ::std::io::Write as _;
-        let _ = ::std::writeln!(::std::io::stderr(), $($words)*);
+        let words = ::std::format!($($words)*);
+        let _ = ::std::writeln!(::std::io::stderr(), "{}", $crate::printable(&words));
     }};
 }

@@ -250,6 +250,132 @@ fn a_full_disk_is_an_error_with_a_remedy_and_loses_nothing() {
     assert!(said.contains("of 120 runs are done already"), "{said}");
 }
 
+/// The page and the merged table are made anew over their own former ones, and over nothing else.
+#[test]
+fn what_a_campaign_reads_is_not_written_over_nor_what_is_somebody_elses() {
+    let folder = Temporary::new("campaign-outputs");
+    let path = plan(&folder.0);
+    let text = PLAN
+        .replace("[0.0, 2.0, 1e9]", "[0.0]")
+        .replace("count = 40", "count = 2");
+    fs::write(&path, text).unwrap();
+    let plan = path.to_str().unwrap();
+    let (out, indices) = (folder.file("out"), folder.file("indices.json"));
+    fs::write(&indices, "{}").unwrap();
+    campaign(&[plan, "--dumps", "0", "--out", &out]);
+    let table = format!("{out}/shard-1-of-1.parquet");
+    let report = [
+        "campaign",
+        "report",
+        &table,
+        "--plan",
+        plan,
+        "--indices",
+        &indices,
+    ];
+    let scenario = folder.file("hover.toml");
+    let linked = folder.file("linked.html");
+    fs::hard_link(&table, &linked).unwrap();
+    let merge = ["campaign", "merge", &out];
+    for (command, output) in [
+        (&report[..], table.as_str()),
+        (&report[..], plan),
+        (&report[..], &indices),
+        (&report[..], &scenario),
+        (&report[..], &linked),
+        (&merge[..], &table),
+    ] {
+        let before = fs::read(output).unwrap();
+        let refused = wbqp(&[command, &["--out", output, "--force"]].concat());
+        assert_eq!(refused.code, 1, "{output}");
+        let words = "is read by this command, and is not written over";
+        assert!(refused.stderr.contains(words), "{}", refused.stderr);
+        assert!(fs::read(output).unwrap() == before, "{output}");
+    }
+    let foreign = folder.file("foreign.json");
+    for (text, words) in [
+        (
+            r#"{"dorp": {"mass": [0.5, 0.5]}}"#,
+            "no measure `dorp`; did you mean `drop`?",
+        ),
+        (
+            r#"{"drop": {"mas": [0.5, 0.5]}}"#,
+            "no factor `mas`; did you mean `mass`?",
+        ),
+    ] {
+        fs::write(&foreign, text).unwrap();
+        let page = folder.file("foreign.html");
+        let options = ["--indices", &foreign, "--out", &page];
+        let refused = wbqp(&[&["campaign", "report", &table], &options[..]].concat());
+        assert_eq!(refused.code, 1);
+        assert!(
+            refused.stderr.contains("foreign.json: the table has "),
+            "{}",
+            refused.stderr
+        );
+        assert!(refused.stderr.contains(words), "{}", refused.stderr);
+    }
+    let other = folder.file("other");
+    for command in [&report[..], &merge[..]] {
+        fs::write(&other, "somebody else's").unwrap();
+        let to_other = [command, &["--out", &other]].concat();
+        let refused = wbqp(&to_other);
+        assert_eq!(refused.code, 1);
+        assert!(refused.stderr.contains("--force replaces it"));
+        assert_eq!(fs::read_to_string(&other).unwrap(), "somebody else's");
+        assert_eq!(wbqp(&[&to_other[..], &["--force"]].concat()).code, 0);
+        assert_eq!(wbqp(&to_other).code, 0, "its own former output");
+        fs::remove_file(&other).unwrap();
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn pipes_and_devices_in_place_of_a_campaigns_files_are_refused_in_words() {
+    let folder = Temporary::new("campaign-pipes");
+    let path = plan(&folder.0);
+    let text = PLAN
+        .replace("[0.0, 2.0, 1e9]", "[0.0]")
+        .replace("count = 40", "count = 2");
+    fs::write(&path, text).unwrap();
+    let plan = path.to_str().unwrap();
+    let out = folder.file("out");
+    fs::create_dir_all(&out).unwrap();
+    let lines = folder.0.join("out/shard-1-of-1.jsonl");
+    let pipe = folder.file("a.pipe");
+    assert!(
+        Command::new("mkfifo")
+            .arg(&pipe)
+            .status()
+            .unwrap()
+            .success()
+    );
+    for there in [&pipe, "/dev/zero", "/dev/full"] {
+        std::os::unix::fs::symlink(there, &lines).unwrap();
+        let refused = wbqp(&["campaign", plan, "--out", &out]);
+        assert_eq!(refused.code, 1, "{there}");
+        let words = ["shard-1-of-1.jsonl: is a ", "delete this"];
+        assert!(
+            words.iter().all(|w| refused.stderr.contains(w)),
+            "{}",
+            refused.stderr
+        );
+        fs::remove_file(&lines).unwrap();
+    }
+    campaign(&[plan, "--dumps", "0", "--out", &out]);
+    let table = format!("{out}/shard-1-of-1.parquet");
+    for command in [["report", &table], ["merge", &out]] {
+        let words = [&["campaign"], &command[..], &["--out", &pipe, "--force"]];
+        let refused = wbqp(&words.concat());
+        assert_eq!(refused.code, 1, "{command:?}");
+        assert!(
+            refused.stderr.contains("a.pipe: is no regular file"),
+            "{}",
+            refused.stderr
+        );
+    }
+}
+
 #[test]
 fn scripts_for_slurm_have_an_array_and_a_merge() {
     let folder = Temporary::new("campaign-slurm");

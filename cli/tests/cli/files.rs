@@ -213,6 +213,145 @@ fn a_log_that_was_cut_is_repaired_beside_it() {
 }
 
 /// Every number of the file is that of the log, to the bit.
+/// What is saved of it ends in the middle.
+#[test]
+fn a_log_that_a_run_is_writing_is_saved_with_a_warning() {
+    let (folder, file, out) = with_stand("repair_running");
+    let done = wbqp(&["run", &file, "--duration", "0.1", "--out", &out]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let log = folder.file("out/stand/default.mcap");
+    let lock = RunLock::take(folder.0.join("out/stand/default.mcap").as_path()).unwrap();
+    let process = format!("a run is writing it, process {}", std::process::id());
+    let arguments = ["log", "repair", &log, "--output", &folder.file("a.mcap")];
+    let done = wbqp(&arguments);
+    assert!(done.stderr.contains(&process), "{}", done.stderr);
+    drop(lock);
+    let arguments = ["log", "repair", &log, "--output", &folder.file("b.mcap")];
+    let done = wbqp(&arguments);
+    assert_eq!((done.code, done.stderr.as_str()), (0, ""));
+    assert!(
+        done.stdout.contains("up to 0.1 s") || done.stdout.contains("up to 0.09"),
+        "{}",
+        done.stdout
+    );
+}
+
+/// A limit of the shell on the size of files stands for a disk without room.
+#[cfg(target_os = "linux")]
+#[test]
+fn what_a_full_disk_does_not_take_is_named_and_leaves_nothing_half() {
+    let (folder, file, out) = with_stand("full");
+    let program = env!("CARGO_BIN_EXE_wbqp");
+    let limited = |blocks: u32, arguments: &str| {
+        let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec '{program}' {arguments}");
+        let done = Command::new("bash").args(["-c", &script]).output().unwrap();
+        assert_eq!(done.status.code(), Some(1), "{arguments}");
+        String::from_utf8(done.stderr).unwrap()
+    };
+    let log = limited(4, &format!("run '{file}' --duration 5 --out '{out}'"));
+    assert!(
+        log.contains("default.mcap: cannot be written: File too large"),
+        "{log}"
+    );
+    let model = folder.file("model.xml");
+    let export = limited(1, &format!("export-mjcf '{file}' --out '{model}'"));
+    assert!(
+        export.contains("model.xml: cannot be written: File too large"),
+        "{export}"
+    );
+    let problems = folder.file("problems.json");
+    let dump = limited(
+        1,
+        &format!("tick-stats --robot quadruped --dump-problems '{problems}'"),
+    );
+    assert!(
+        dump.contains("problems.json: cannot be written: File too large"),
+        "{dump}"
+    );
+    let left: Vec<_> = fs::read_dir(&folder.0).unwrap().flatten().collect();
+    let left = |end: &str| {
+        left.iter()
+            .any(|e| e.file_name().to_string_lossy().ends_with(end))
+    };
+    assert!(!left(".part") && !left("model.xml") && !left("problems.json"));
+}
+
+#[test]
+fn the_json_of_a_file_that_cannot_be_looked_into_has_errors() {
+    let folder = Temporary::new("json_errors");
+    let (foreign, bytes, large) = (
+        folder.file("foreign.toml"),
+        folder.file("bytes.toml"),
+        folder.file("large.toml"),
+    );
+    fs::write(&foreign, "[package]\nname = \"a\"\n").unwrap();
+    fs::write(&bytes, b"[robot]\nname = \"\xff\"\n").unwrap();
+    let zeros = fs::File::create(&large).unwrap();
+    zeros.set_len((16 << 20) + 1).unwrap();
+    for (file, words) in [
+        (foreign.as_str(), "is neither a URDF"),
+        (&bytes, "line 2 is not UTF-8"),
+        (&large, "is larger than 16 MiB"),
+        (&folder.file("nowhere.toml"), "cannot be read"),
+        (&folder.0.display().to_string(), "is a folder"),
+    ] {
+        let done = wbqp(&["check", file, "--json"]);
+        assert_eq!(done.code, 1, "{file}");
+        let json = done.json();
+        assert_eq!(json["file"], file);
+        assert!(json["kind"].is_null());
+        let error = json["errors"][0].as_str().unwrap();
+        assert!(error.contains(words), "{error}");
+        assert!(done.stderr.contains(words), "{}", done.stderr);
+    }
+}
+
+/// A robot, a controller and a scenario name one another in text.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_path_that_is_not_utf_8_is_named_with_what_to_do() {
+    use std::os::unix::ffi::OsStrExt as _;
+    let folder = Temporary::new("bytes_in_path");
+    let file = folder.0.join(std::ffi::OsStr::from_bytes(b"st\xffnd.toml"));
+    fs::write(&file, STAND).unwrap();
+    let done = Command::new(env!("CARGO_BIN_EXE_wbqp"))
+        .arg("run")
+        .arg(&file)
+        .output()
+        .unwrap();
+    assert_eq!(done.status.code(), Some(1));
+    let error = String::from_utf8(done.stderr).unwrap();
+    assert!(
+        error.contains("nd.toml: the path is not UTF-8") && error.contains("rename the file"),
+        "{error}"
+    );
+}
+
+#[test]
+fn names_of_files_and_entries_do_not_steer_the_terminal() {
+    let folder = Temporary::new("escapes");
+    let file = folder.file("a\u{1b}[2J.toml");
+    fs::write(&file, STAND).unwrap();
+    let done = wbqp(&["check", &file]);
+    assert!(
+        done.stdout.contains("a\\u{1b}[2J.toml: needs"),
+        "{}",
+        done.stdout
+    );
+    let named = STAND.replacen("[[task]]", "[[task]]\nname = \"a\\u001b[2J\"", 1);
+    fs::write(&file, named).unwrap();
+    let refused = wbqp(&["check", &file]);
+    assert_eq!(refused.code, 1);
+    assert!(
+        refused.stderr.contains("has control characters"),
+        "{}",
+        refused.stderr
+    );
+    for text in [&done.stdout, &done.stderr, &refused.stdout, &refused.stderr] {
+        assert!(!text.contains('\u{1b}'), "{text:?}");
+    }
+}
+
 #[test]
 fn a_log_is_written_as_csv() {
     let (folder, file, out) = with_stand("csv");

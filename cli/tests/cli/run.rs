@@ -401,6 +401,9 @@ fn a_run_of_no_tick_is_refused() {
     assert_eq!(done.code, 1, "{}", done.stderr);
     assert!(done.stderr.contains("duration: "), "{}", done.stderr);
     assert_eq!(wbqp(&["tick-stats", "--ticks", "0"]).code, 2);
+    let done = wbqp(&["tick-stats", "--ticks", "1", "--solver", "nope"]);
+    assert_eq!(done.code, 1);
+    assert!(done.stderr.contains("--solver"), "{}", done.stderr);
     assert_eq!(wbqp(&["campaign", "plan.toml", "--limit", "0"]).code, 2);
 }
 

@@ -170,6 +170,17 @@ pub enum LogError {
         /// Why.
         source: std::io::Error,
     },
+    /// The file cannot be written on.
+    #[error(
+        "log {}: cannot be written: {source}; make room, or write to another folder",
+        path.display()
+    )]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
     /// The sink cannot write.
     #[error("log: {0}")]
     Write(#[source] Box<dyn std::error::Error + Send + Sync>),

@@ -9,6 +9,8 @@ use std::{
     time::{SystemTime, UNIX_EPOCH},
 };
 
+use wbqp::input;
+
 use crate::LogError;
 
 /// The most that is read of what another run says of itself, bytes.
@@ -31,9 +33,7 @@ impl RunLock {
     /// [`LogError::Taken`] with what the other run says of itself; [`LogError::Create`] if the file cannot be made or
     /// locked.
     pub fn take(of: &Path) -> Result<Self, LogError> {
-        let mut path = of.as_os_str().to_owned();
-        path.push(".lock");
-        let path = PathBuf::from(path);
+        let path = lock_of(of);
         let failed = |source| LogError::Create {
             path: path.clone(),
             source,
@@ -65,6 +65,28 @@ impl RunLock {
             }
         }
     }
+}
+
+impl RunLock {
+    /// What a run that writes to a path at present says of itself: process, start, command. Nothing if there is none.
+    pub fn holder(of: &Path) -> Option<String> {
+        let file = input::open(&lock_of(of)).ok()?;
+        match file.try_lock_shared() {
+            Err(TryLockError::WouldBlock) => {
+                let mut by = String::new();
+                // Nothing where the system lets nobody read it.
+                let _ = file.take(LONGEST).read_to_string(&mut by);
+                Some(in_words(&by))
+            }
+            _ => None,
+        }
+    }
+}
+
+fn lock_of(path: &Path) -> PathBuf {
+    let mut lock = path.as_os_str().to_owned();
+    lock.push(".lock");
+    lock.into()
 }
 
 impl Drop for RunLock {
@@ -146,6 +168,8 @@ mod tests {
         let path = file("a");
         let first = RunLock::take(&path).expect("is free");
         let error = RunLock::take(&path).expect_err("is taken").to_string();
+        let holder = RunLock::holder(&path).expect("is taken");
+        assert!(error.contains(&holder), "{holder}");
         assert!(
             error.contains(&format!("process {}", process::id())),
             "{error}"
@@ -156,6 +180,7 @@ mod tests {
         );
         RunLock::take(&file("b")).expect("another one is free");
         drop(first);
+        assert_eq!(RunLock::holder(&path), None);
         let again = RunLock::take(&path).expect("is free again");
         drop(again);
         assert!(!path.with_extension("lock").exists());

@@ -6,7 +6,7 @@ use std::{
     fmt,
     fs::{self, File},
     io::{self, BufWriter, Seek, Write},
-    path::Path,
+    path::{Path, PathBuf},
 };
 
 use mcap::{Attachment, Compression, McapError, WriteOptions, Writer, records};
@@ -25,6 +25,7 @@ pub struct McapLog<W: Write + Seek + Send = BufWriter<File>> {
     /// When the chunk began that is being written, ns.
     chunk: Option<u64>,
     /// Of the file, if it is one.
+    path: Option<PathBuf>,
     _lock: Option<RunLock>,
 }
 
@@ -65,8 +66,9 @@ impl McapLog {
             return Err(failed(io::Error::other("is there, and no file")));
         }
         let file = File::create(path).map_err(failed)?;
-        let log = Self::new(BufWriter::new(file))?;
+        let log = Self::new(BufWriter::new(file)).map_err(|error| at(path, error))?;
         Ok(Self {
+            path: Some(path.to_owned()),
             _lock: Some(lock),
             ..log
         })
@@ -87,6 +89,7 @@ impl<W: Write + Seek + Send> McapLog<W> {
             writer: Some(options.create(output).map_err(failed)?),
             channels: Vec::new(),
             chunk: None,
+            path: None,
             _lock: None,
         })
     }
@@ -97,16 +100,18 @@ impl<W: Write + Seek + Send> McapLog<W> {
         channel: &records::Channel,
         schema: Option<(&str, &str, &[u8])>,
     ) -> Result<u16, LogError> {
-        let writer = self.writer()?;
-        let schema = match schema {
-            Some((name, encoding, text)) => {
-                writer.add_schema(name, encoding, text).map_err(failed)?
-            }
-            None => 0,
-        };
-        let (topic, encoding) = (&channel.topic, &channel.message_encoding);
-        let id = writer.add_channel(schema, topic, encoding, &channel.metadata);
-        id.map_err(failed)
+        self.named(|log| {
+            let writer = log.writer()?;
+            let schema = match schema {
+                Some((name, encoding, text)) => {
+                    writer.add_schema(name, encoding, text).map_err(failed)?
+                }
+                None => 0,
+            };
+            let (topic, encoding) = (&channel.topic, &channel.message_encoding);
+            let id = writer.add_channel(schema, topic, encoding, &channel.metadata);
+            id.map_err(failed)
+        })
     }
 
     /// Writes a message of another file; the header has the channel's id here.
@@ -115,9 +120,11 @@ impl<W: Write + Seek + Send> McapLog<W> {
         header: &records::MessageHeader,
         data: &[u8],
     ) -> Result<(), LogError> {
-        self.begin_chunk(header.log_time)?;
-        let writer = self.writer()?;
-        writer.write_to_known_channel(header, data).map_err(failed)
+        self.named(|log| {
+            log.begin_chunk(header.log_time)?;
+            let writer = log.writer()?;
+            writer.write_to_known_channel(header, data).map_err(failed)
+        })
     }
 
     /// Encodings are those of schema and messages.
@@ -128,19 +135,21 @@ impl<W: Write + Seek + Send> McapLog<W> {
         (schema_encoding, encoding): (&str, &str),
         schema: &[u8],
     ) -> Result<ChannelId, LogError> {
-        if self.channels.iter().any(|c| c.topic == topic) {
-            return Err(LogError::Topic(topic.to_owned()));
-        }
-        let writer = self.writer()?;
-        let schema = writer.add_schema(schema_name, schema_encoding, schema);
-        let schema = schema.map_err(failed)?;
-        let id = writer.add_channel(schema, topic, encoding, &BTreeMap::new());
-        self.channels.push(Channel {
-            topic: topic.to_owned(),
-            id: id.map_err(failed)?,
-            sequence: 0,
-        });
-        Ok(ChannelId::new(self.channels.len() as u32 - 1))
+        self.named(|log| {
+            if log.channels.iter().any(|c| c.topic == topic) {
+                return Err(LogError::Topic(topic.to_owned()));
+            }
+            let writer = log.writer()?;
+            let schema = writer.add_schema(schema_name, schema_encoding, schema);
+            let schema = schema.map_err(failed)?;
+            let id = writer.add_channel(schema, topic, encoding, &BTreeMap::new());
+            log.channels.push(Channel {
+                topic: topic.to_owned(),
+                id: id.map_err(failed)?,
+                sequence: 0,
+            });
+            Ok(ChannelId::new(log.channels.len() as u32 - 1))
+        })
     }
 
     /// Ends the chunk if a message at this time, ns, would make it too long.
@@ -154,13 +163,39 @@ impl<W: Write + Seek + Send> McapLog<W> {
         Ok(())
     }
 
+    /// Does something whose errors name the file.
+    fn named<T>(
+        &mut self,
+        act: impl FnOnce(&mut Self) -> Result<T, LogError>,
+    ) -> Result<T, LogError> {
+        act(self).map_err(|error| match &self.path {
+            Some(path) => at(path, error),
+            None => error,
+        })
+    }
+
     fn writer(&mut self) -> Result<&mut Writer<W>, LogError> {
         self.writer.as_mut().ok_or(LogError::Finished)
     }
 }
 
 fn failed(error: McapError) -> LogError {
-    LogError::Write(Box::new(error))
+    LogError::Write(match error {
+        // Its own words are not the system's.
+        McapError::Io(error) => Box::new(error),
+        error => Box::new(error),
+    })
+}
+
+/// The same error with the file's name.
+fn at(path: &Path, error: LogError) -> LogError {
+    match error {
+        LogError::Write(source) => LogError::File {
+            path: path.to_owned(),
+            source,
+        },
+        error => error,
+    }
 }
 
 impl<W: Write + Seek + Send> LogSink for McapLog<W> {
@@ -184,49 +219,57 @@ impl<W: Write + Seek + Send> LogSink for McapLog<W> {
     }
 
     fn write(&mut self, channel: ChannelId, time: f64, message: &[u8]) -> Result<(), LogError> {
-        let nanoseconds = nanoseconds(time)?;
-        self.begin_chunk(nanoseconds)?;
-        let writer = self.writer.as_mut().ok_or(LogError::Finished)?;
-        let entry = self
-            .channels
-            .get_mut(channel.index())
-            .ok_or(LogError::Channel(channel))?;
-        let header = records::MessageHeader {
-            channel_id: entry.id,
-            sequence: entry.sequence,
-            log_time: nanoseconds,
-            publish_time: nanoseconds,
-        };
-        entry.sequence = entry.sequence.wrapping_add(1);
-        writer
-            .write_to_known_channel(&header, message)
-            .map_err(failed)
+        self.named(|log| {
+            let nanoseconds = nanoseconds(time)?;
+            log.begin_chunk(nanoseconds)?;
+            let writer = log.writer.as_mut().ok_or(LogError::Finished)?;
+            let entry = log
+                .channels
+                .get_mut(channel.index())
+                .ok_or(LogError::Channel(channel))?;
+            let header = records::MessageHeader {
+                channel_id: entry.id,
+                sequence: entry.sequence,
+                log_time: nanoseconds,
+                publish_time: nanoseconds,
+            };
+            entry.sequence = entry.sequence.wrapping_add(1);
+            writer
+                .write_to_known_channel(&header, message)
+                .map_err(failed)
+        })
     }
 
     fn metadata(&mut self, name: &str, table: &BTreeMap<String, String>) -> Result<(), LogError> {
-        let metadata = records::Metadata {
-            name: name.to_owned(),
-            metadata: table.clone(),
-        };
-        self.writer()?.write_metadata(&metadata).map_err(failed)
+        self.named(|log| {
+            let metadata = records::Metadata {
+                name: name.to_owned(),
+                metadata: table.clone(),
+            };
+            log.writer()?.write_metadata(&metadata).map_err(failed)
+        })
     }
 
     fn attach(&mut self, name: &str, media_type: &str, data: &[u8]) -> Result<(), LogError> {
-        let attachment = Attachment {
-            log_time: 0,
-            create_time: 0,
-            name: name.to_owned(),
-            media_type: media_type.to_owned(),
-            data: Cow::Borrowed(data),
-        };
-        self.writer()?.attach(&attachment).map_err(failed)
+        self.named(|log| {
+            let attachment = Attachment {
+                log_time: 0,
+                create_time: 0,
+                name: name.to_owned(),
+                media_type: media_type.to_owned(),
+                data: Cow::Borrowed(data),
+            };
+            log.writer()?.attach(&attachment).map_err(failed)
+        })
     }
 
     fn finish(&mut self) -> Result<(), LogError> {
-        let mut writer = self.writer.take().ok_or(LogError::Finished)?;
-        writer.finish().map_err(failed)?;
-        let flushed = writer.into_inner().flush();
-        flushed.map_err(|error| LogError::Write(Box::new(error)))
+        self.named(|log| {
+            let mut writer = log.writer.take().ok_or(LogError::Finished)?;
+            writer.finish().map_err(failed)?;
+            let flushed = writer.into_inner().flush();
+            flushed.map_err(|error| LogError::Write(Box::new(error)))
+        })
     }
 }
 

@@ -15,6 +15,7 @@ use super::{
     table::{self, Section},
 };
 use crate::{
+    one_line::{CONTROL, one_line},
     plugin::{Entry, Hardness, PerRow},
     registry::{self, PluginKind},
 };
@@ -172,11 +173,11 @@ pub(super) fn subject(kind: &str, index: Option<usize>, section: &Section<'_>) -
     if let Some(index) = index {
         subject.push_str(&format!("[{index}]"));
         if let Some(name) = text("name") {
-            subject.push_str(&format!(" `{name}`"));
+            subject.push_str(&format!(" `{}`", one_line(name)));
         }
     }
     if let Some(tag) = text("type") {
-        subject.push_str(&format!(" ({tag})"));
+        subject.push_str(&format!(" ({})", one_line(tag)));
     }
     subject
 }
@@ -205,6 +206,10 @@ impl Names {
                 &at.key("name"),
                 "must not be empty",
             );
+            return;
+        }
+        if name.contains(char::is_control) {
+            report.add(Kind::Value, Some(span), &at.key("name"), CONTROL);
             return;
         }
         if let Some(first) = self.0.get(name) {

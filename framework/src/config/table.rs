@@ -150,8 +150,29 @@ pub fn in_words(message: &str) -> String {
         ("expected a map", "expected a table"),
         ("expected f64", "expected a number"),
         ("expected struct ", "expected a table: "),
+        (
+            "invalid type: unit variant, expected newtype variant",
+            "is a name without a value, and wants one: `{ name = value }`",
+        ),
+        (
+            "invalid type: newtype variant, expected unit variant",
+            "is a name with a value, and wants none: `\"name\"`",
+        ),
     ] {
         text = text.replace(rust, words);
+    }
+    // Of one that is not too small there is more to say.
+    if text.starts_with("invalid value: integer `") && !text.contains("`-") {
+        for (integer, most) in [
+            ("u8", u32::from(u8::MAX)),
+            ("u16", u32::from(u16::MAX)),
+            ("u32", u32::MAX),
+        ] {
+            text = text.replace(
+                &format!("expected {integer}"),
+                &format!("expected an integer from 0 to {most}"),
+            );
+        }
     }
     for integer in ["u8", "u16", "u32", "u64", "usize"] {
         text = text.replace(

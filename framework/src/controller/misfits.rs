@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use crate::{
     contact::ContactSpec,
     error::BindError,
+    one_line::{CONTROL, one_line},
     plugin::{AnyConstraint, AnyPlugin, AnyTask, Entry},
     settings::{MeasurementLimits, Settings, Target},
 };
@@ -139,7 +140,7 @@ impl Misfits {
     }
 
     pub(super) fn contact(&mut self, index: usize, name: &str, error: BindError) {
-        let subject = format!("contact[{index}] `{name}`");
+        let subject = format!("contact[{index}] `{}`", one_line(name));
         self.add(Target::Contact(name.to_owned()), index, subject, error);
     }
 
@@ -155,11 +156,11 @@ impl Misfits {
         } else {
             (Target::Constraint(name.clone()), "constraint")
         };
-        let subject = format!("{list}[{index}] `{name}` ({tag})");
+        let subject = format!("{list}[{index}] `{}` ({tag})", one_line(name));
         self.add(target, index, subject, error);
     }
 
-    /// Names that are empty or given twice: possible only in code, files are checked when they are read.
+    /// Names that are empty, have control characters or are given twice: possible only in code, files are checked when they are read.
     pub(super) fn names(
         &mut self,
         contacts: &[ContactSpec],
@@ -167,12 +168,16 @@ impl Misfits {
         constraints: &[Entry<dyn AnyConstraint>],
     ) {
         let taken = |by: &str| BindError::value("name", format!("is taken by {by}"));
-        let empty = || BindError::value("name", "must not be empty");
+        let unfit = |name: &str| match name {
+            "" => Some(BindError::value("name", "must not be empty")),
+            name if name.contains(char::is_control) => Some(BindError::value("name", CONTROL)),
+            _ => None,
+        };
         let first_contact = first_of(contacts.iter().map(|contact| contact.name.as_str()));
         for (index, contact) in contacts.iter().enumerate() {
             let first = first_contact.get(contact.name.as_str()).copied();
-            if contact.name.is_empty() {
-                self.contact(index, "", empty());
+            if let Some(error) = unfit(&contact.name) {
+                self.contact(index, &contact.name, error);
             } else if let Some(first) = first.filter(|&first| first < index) {
                 let by = format!("contact[{first}]");
                 self.contact(index, &contact.name, taken(&by));
@@ -182,15 +187,15 @@ impl Misfits {
         let first_task = |name: &str| first_task.get(name).copied();
         let first_constraint = first_of(constraints.iter().map(|one| one.name.as_str()));
         for (index, entry) in tasks.iter().enumerate() {
-            if entry.name.is_empty() {
-                self.entry(index, entry, empty());
+            if let Some(error) = unfit(&entry.name) {
+                self.entry(index, entry, error);
             } else if let Some(first) = first_task(&entry.name).filter(|&first| first < index) {
                 self.entry(index, entry, taken(&format!("task[{first}]")));
             }
         }
         for (index, entry) in constraints.iter().enumerate() {
-            if entry.name.is_empty() {
-                self.entry(index, entry, empty());
+            if let Some(error) = unfit(&entry.name) {
+                self.entry(index, entry, error);
             } else if let Some(first) = first_task(&entry.name) {
                 self.entry(index, entry, taken(&format!("task[{first}]")));
             } else if let Some(&first) = first_constraint.get(entry.name.as_str())

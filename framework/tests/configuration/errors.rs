@@ -292,6 +292,17 @@ fn level_is_reserved() {
 }
 
 #[test]
+fn names_are_one_line() {
+    check(
+        "[[task]]\nname = \"a\\u001b[2J\\n\"\ntype = \"test.hold\"\ngain = 1\nweight = 1\n",
+        &[
+            "x.toml:8:8: task[0] `a\\u{1b}[2J\\n` (test.hold): name: has control characters, such as line breaks: \
+           leave them out",
+        ],
+    );
+}
+
+#[test]
 fn names_are_unique() {
     check(
         "[[task]]\nname = \"a\"\ntype = \"test.hold\"\ngain = 1\nweight = 1\n\

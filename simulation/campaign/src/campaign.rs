@@ -4,7 +4,7 @@ use std::{
     collections::BTreeSet,
     fmt::Display,
     panic::{AssertUnwindSafe, catch_unwind},
-    path::Path,
+    path::{Path, PathBuf},
 };
 
 use wbqp::{robot::SourceFile, suggestion::suggestion};
@@ -31,6 +31,7 @@ pub struct Campaign {
     /// The topics that the measures ask for; all, until that is known.
     topics: Option<BTreeSet<String>>,
     fingerprint: String,
+    files: Vec<PathBuf>,
 }
 
 /// A run that reached its end.
@@ -72,7 +73,7 @@ impl Campaign {
             let cases = cases.map(|case| Nominal::of(variant.scenario().case(case)?));
             nominals.push(cases.collect::<Result<Vec<_>, ScenarioError>>()?);
         }
-        let fingerprint = fingerprint(&plan)?;
+        let (fingerprint, files) = sources(&plan)?;
         fit::check(&plan, &nominals)?;
         let refused_ends = fit::refused_ends(&plan, &nominals);
         let mut campaign = Self {
@@ -82,6 +83,7 @@ impl Campaign {
             refused_ends,
             topics: None,
             fingerprint,
+            files,
         };
         let mut topics = BTreeSet::new();
         for (index, variant) in campaign.plan.variants().iter().enumerate() {
@@ -170,6 +172,12 @@ impl Campaign {
     /// What decides the results: a hash of the plan, the scenario, the controllers, the robots and this version.
     pub fn fingerprint(&self) -> &str {
         &self.fingerprint
+    }
+
+    /// The files that the plan was made from: its own, the scenario's, the controllers', the robots'. Those that are no
+    /// files of the disk are names without one.
+    pub fn files(&self) -> &[PathBuf] {
+        &self.files
     }
 
     /// Does a run. Whatever happens in it is told, and is the end of this run alone.
@@ -388,10 +396,17 @@ fn words_of(panic: &(dyn std::any::Any + Send)) -> String {
     format!("panicked: {}", text.unwrap_or("without words"))
 }
 
-fn fingerprint(plan: &Plan) -> Result<String, ScenarioError> {
-    let mut sources: Vec<SourceFile> = vec![plan.source().clone()];
+/// The fingerprint, and the names of the files in it.
+fn sources(plan: &Plan) -> Result<(String, Vec<PathBuf>), ScenarioError> {
+    let mut sources: Vec<SourceFile> = Vec::new();
+    let mut files: Vec<PathBuf> = Vec::new();
+    let mut read = |sources: &mut Vec<SourceFile>, file: &SourceFile| {
+        files.push(PathBuf::from(&file.name));
+        sources.push(file.clone());
+    };
+    read(&mut sources, plan.source());
     for variant in plan.variants() {
-        sources.push(variant.scenario().source().clone());
+        read(&mut sources, variant.scenario().source());
         sources.push(SourceFile {
             name: variant.name().to_owned(),
             contents: variant.scenario().variation().to_toml(),
@@ -399,14 +414,20 @@ fn fingerprint(plan: &Plan) -> Result<String, ScenarioError> {
         for case in variant.cases() {
             let case = variant.scenario().case(case)?;
             let config = case.controller_config()?;
-            sources.extend(config.source.clone());
+            if let Some(file) = &config.source {
+                read(&mut sources, file);
+            }
             let controller = case.make_controller(config)?;
-            sources.extend(controller.robot().sources.iter().cloned());
+            for file in &controller.robot().sources {
+                read(&mut sources, file);
+            }
         }
     }
     sources.push(SourceFile {
         name: "version".to_owned(),
         contents: env!("CARGO_PKG_VERSION").to_owned(),
     });
-    Ok(configuration_hash(&sources))
+    files.sort_unstable();
+    files.dedup();
+    Ok((configuration_hash(&sources), files))
 }

@@ -121,6 +121,14 @@ pub enum ShardError {
         /// What the operating system says.
         source: io::Error,
     },
+    /// What is called as its file is a pipe, a device or a folder.
+    #[error("{}: {source}; give another folder, or delete this", path.display())]
+    Irregular {
+        /// The file.
+        path: PathBuf,
+        /// What it is.
+        source: io::Error,
+    },
     /// The folder has a shard of something else.
     #[error(
         "{}: is of another campaign: plan, scenario, controller, robot, version or --limit are not the same; \
@@ -339,6 +347,10 @@ impl Progress {
             path: path.clone(),
             source,
         };
+        table::refuse_irregular(&path).map_err(|source| ShardError::Irregular {
+            path: path.clone(),
+            source,
+        })?;
         let mut options = OpenOptions::new();
         options.read(true).write(true).create(true).truncate(false);
         let mut file = options.open(&path).map_err(at)?;

@@ -1,8 +1,7 @@
 //! How long a tick takes, stage by stage, in a closed loop.
 
 use std::{
-    fs::File,
-    io::{BufWriter, Write, stdout},
+    io::{Write, stdout},
     num::NonZeroUsize,
     path::{Path, PathBuf},
 };
@@ -12,7 +11,10 @@ use clap::ValueEnum;
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use serde::Serialize;
 use wbqp::{input, serde_json};
-use wbqp_terminal::ProgressBars;
+use wbqp_terminal::{
+    ProgressBars,
+    output::{self, Existing},
+};
 
 use crate::{
     Quantiles, Statistics,
@@ -64,6 +66,9 @@ pub struct Arguments {
     /// Writes the quadratic programs of 5 times 60 consecutive ticks into a JSON file, instead of timing
     #[arg(long, value_name = "FILE", conflicts_with = "solve_problems")]
     dump_problems: Option<PathBuf>,
+    /// Replaces the file of `--dump-problems` if it is there
+    #[arg(long, requires = "dump_problems")]
+    force: bool,
     /// Times the solvers on the problems of such a file, instead of ticks
     #[arg(long, value_name = "FILE")]
     solve_problems: Option<PathBuf>,
@@ -108,11 +113,12 @@ impl Arguments {
             return Ok(());
         }
         if let Some(file) = &self.dump_problems {
+            let existing = Existing::of_force(self.force);
+            output::refuse_existing(file, existing)?;
             let problems = problems::record(&workload, &self.name(), 5, 60)?;
-            let to = File::create(file).with_context(|| format!("{}", file.display()))?;
-            let mut to = BufWriter::new(to);
-            serde_json::to_writer(&mut to, &problems)?;
-            to.flush()?;
+            output::write_with(file, existing, |to| {
+                serde_json::to_writer(to, &problems).map_err(Into::into)
+            })?;
             return Ok(());
         }
         let bars = ProgressBars::new(4);

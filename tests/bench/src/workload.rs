@@ -87,16 +87,15 @@ impl Workload {
         solver: Option<&str>,
         formulation: Option<&str>,
     ) -> Result<Self> {
-        let mut variation = Variation::new();
-        if let Some(solver) = solver {
-            variation = variation.set("solver.type", solver);
-        }
-        if let Some(formulation) = formulation {
-            variation = variation.set("controller.formulation", formulation);
-        }
         let mut scenario = Scenario::from_file(file)?;
-        if !variation.is_empty() {
-            scenario = scenario.varied(&variation)?;
+        for (option, key, value) in [
+            ("--solver", "solver.type", solver),
+            ("--formulation", "controller.formulation", formulation),
+        ] {
+            if let Some(value) = value {
+                let variation = Variation::new().set(key, value).given_by(option);
+                scenario = scenario.varied(&variation)?;
+            }
         }
         scenario.case(case)?;
         Ok(Self {

@@ -176,6 +176,16 @@ fn mistakes_in_code_come_at_once_and_by_name() {
 }
 
 #[test]
+fn names_made_in_code_are_one_line() {
+    let config = config().with_task(Entry::task("a\u{1b}[2J\n", 0.1, Posture::new(25.0, 10.0)));
+    let message = config.build().expect_err("a mistake").to_string();
+    assert_eq!(
+        message,
+        "task[6] `a\\u{1b}[2J\\n` (posture): name: has control characters, such as line breaks: leave them out"
+    );
+}
+
+#[test]
 fn names_made_in_code_are_not_empty() {
     let nameless = ContactSpec {
         name: String::new(),

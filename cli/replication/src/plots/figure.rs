@@ -9,16 +9,23 @@ use plotters::{
 };
 
 use wbqp_measures::Series;
+use wbqp_terminal::output::{Existing, OutputError, write};
 
-/// Why a figure could not be drawn.
+/// Why there is no figure.
 #[derive(Debug, thiserror::Error)]
-#[error("figure: {0}")]
 #[non_exhaustive]
-pub struct PlotError(String);
+pub enum PlotError {
+    /// It could not be drawn.
+    #[error("figure: {0}")]
+    Draw(String),
+    /// Its file could not be written.
+    #[error(transparent)]
+    Write(#[from] OutputError),
+}
 
 impl<E: std::error::Error + Send + Sync> From<DrawingAreaErrorKind<E>> for PlotError {
     fn from(error: DrawingAreaErrorKind<E>) -> Self {
-        Self(error.to_string())
+        Self::Draw(error.to_string())
     }
 }
 
@@ -153,7 +160,8 @@ impl Figure {
     /// [`PlotError`] if the file cannot be written.
     pub fn save(&self, path: &Path) -> Result<(), PlotError> {
         let height = PANEL * self.panels.len().max(1) as u32;
-        let root = SVGBackend::new(path, (WIDTH, height)).into_drawing_area();
+        let mut svg = String::new();
+        let root = SVGBackend::with_string(&mut svg, (WIDTH, height)).into_drawing_area();
         root.fill(&WHITE)?;
         for (panel, area) in self
             .panels
@@ -163,7 +171,8 @@ impl Figure {
             panel.draw(&area, self.time)?;
         }
         root.present()?;
-        Ok(())
+        drop(root);
+        Ok(write(path, &svg, Existing::IsReplaced)?)
     }
 }
 

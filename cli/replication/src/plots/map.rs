@@ -9,6 +9,7 @@ use super::{
     figure::{FONT, TEXT, WIDTH, short},
 };
 use wbqp_measures::Series;
+use wbqp_terminal::output::{Existing, write};
 
 /// A path with its name in the legend.
 #[derive(Clone, Debug)]
@@ -74,7 +75,8 @@ impl Map {
         // A path that is almost straight still gets a readable axis.
         let plane = ((high - low) * scale).clamp(160.0, 2400.0) as u32;
         let height = header_height.unsigned_abs() + plane + BELOW;
-        let root = SVGBackend::new(path, (WIDTH, height)).into_drawing_area();
+        let mut svg = String::new();
+        let root = SVGBackend::with_string(&mut svg, (WIDTH, height)).into_drawing_area();
         root.fill(&WHITE)?;
         let (top, body) = root.split_vertically(header_height);
         header.draw_header(&top)?;
@@ -109,7 +111,8 @@ impl Map {
             }
         }
         root.present()?;
-        Ok(())
+        drop((chart, top, body, root));
+        Ok(write(path, &svg, Existing::IsReplaced)?)
     }
 
     /// Title and legend, as a panel without data.

@@ -10,13 +10,15 @@ mod statistics;
 
 use std::{
     collections::BTreeMap,
-    fs,
+    fs::File,
+    io::Read as _,
     path::{Path, PathBuf},
 };
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
+use wbqp::suggestion::suggestion;
 use wbqp_campaign::{
     Campaign, Plan,
     table::{Description, Table},
@@ -24,6 +26,7 @@ use wbqp_campaign::{
 use wbqp_measures::number;
 use wbqp_terminal::say;
 
+use crate::output::{self, Existing};
 use findings::Findings;
 use lines::Lines;
 use matters::Matters;
@@ -39,6 +42,9 @@ pub(super) struct Arguments {
     /// The page; default: beside the table
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Replaces a file that is there; an older page of a campaign is replaced without
+    #[arg(long)]
+    force: bool,
     /// The plan's file: for what matters in the ticks of its runs, and the commands that do one again
     #[arg(long, value_name = "PLAN")]
     plan: Option<PathBuf>,
@@ -52,6 +58,15 @@ type Indices = BTreeMap<String, BTreeMap<String, [f64; 2]>>;
 
 impl Arguments {
     pub(super) fn run(&self) -> Result<()> {
+        let out = match &self.out {
+            Some(out) => out.clone(),
+            None => self.table.with_extension("html"),
+        };
+        // Before the work; what the plan names is known later.
+        let named = [Some(&self.table), self.plan.as_ref(), self.indices.as_ref()];
+        output::refuse_input(&out, named.into_iter().flatten().map(PathBuf::as_path))?;
+        let existing = Existing::of_force(self.force).or_own(&out, is_page);
+        output::refuse_existing(&out, existing)?;
         let lines = Lines::read(Table::open(&self.table)?)?;
         let about = lines.description();
         let factors: Vec<String> = about.factors.iter().map(|f| f.name.clone()).collect();
@@ -64,14 +79,16 @@ impl Arguments {
                 let text = wbqp::input::read_text(path);
                 let text = text.with_context(|| path.display().to_string())?;
                 let read = wbqp::serde_json::from_str(&text);
-                Some(read.with_context(|| path.display().to_string())?)
+                let indices = read.with_context(|| path.display().to_string())?;
+                check_indices(&indices, about, &factors)
+                    .with_context(|| path.display().to_string())?;
+                Some(indices)
             }
             None => None,
         };
-        let out = match &self.out {
-            Some(out) => out.clone(),
-            None => self.table.with_extension("html"),
-        };
+        let campaign = self.campaign(about)?;
+        let files = campaign.iter().flat_map(Campaign::files);
+        output::refuse_input(&out, files.map(PathBuf::as_path))?;
         let beside = out.parent().unwrap_or(Path::new(""));
         let page = Page {
             about,
@@ -80,29 +97,21 @@ impl Arguments {
             plan: self.plan.as_deref().unwrap_or(Path::new("PLAN")),
             beside,
             indices: indices.as_ref(),
-            matters: &self.matters(about, &findings)?,
+            matters: &matters(campaign.as_ref(), &findings),
         };
         let page = page.markup().into_string();
-        fs::write(&out, page).with_context(|| out.display().to_string())?;
+        output::write(&out, &page, existing)?;
         say!("{}", out.display());
         Ok(())
     }
 
-    /// What matters in the ticks of the plan's runs; or why that is not known: the page is as good without.
+    /// The plan's campaign, if a plan is named.
     ///
     /// # Errors
-    /// A plan that was named and is refused, or is not the table's.
-    fn matters(
-        &self,
-        about: &Description,
-        findings: &[Findings],
-    ) -> Result<Result<Vec<Matters>, String>> {
+    /// A plan that is refused, or is not the table's.
+    fn campaign(&self, about: &Description) -> Result<Option<Campaign>> {
         let Some(plan) = &self.plan else {
-            return Ok(Err(
-                "With --plan and the plan's file, this says which weights and gains decide what the robot does where a \
-                 run goes worst."
-                    .to_owned(),
-            ));
+            return Ok(None);
         };
         let campaign = Campaign::new(Plan::from_file(plan)?)?;
         if campaign.fingerprint() != about.fingerprint {
@@ -112,9 +121,54 @@ impl Arguments {
                 self.table.display()
             );
         }
-        let found = matters::of(&campaign, findings);
-        Ok(found.map_err(|error| format!("Not known: {error:#}.")))
+        Ok(Some(campaign))
     }
+}
+
+/// What matters in the ticks of the plan's runs; or why that is not known: the page is as good without.
+fn matters(campaign: Option<&Campaign>, findings: &[Findings]) -> Result<Vec<Matters>, String> {
+    let Some(campaign) = campaign else {
+        return Err(
+            "With --plan and the plan's file, this says which weights and gains decide what the robot does where a \
+             run goes worst."
+                .to_owned(),
+        );
+    };
+    let found = matters::of(campaign, findings);
+    found.map_err(|error| format!("Not known: {error:#}."))
+}
+
+/// Refuses indices of what the table does not have: they are of another campaign.
+fn check_indices(indices: &Indices, about: &Description, factors: &[String]) -> Result<()> {
+    let factors: Vec<&str> = factors.iter().map(String::as_str).collect();
+    let measures: Vec<&str> = about.measures.iter().map(|m| m.name.as_str()).collect();
+    let of_factors = indices.values().flat_map(BTreeMap::keys);
+    let of_measures = indices.keys().map(|name| ("measure", name, &measures));
+    for (kind, name, known) in of_measures.chain(of_factors.map(|name| ("factor", name, &factors)))
+    {
+        if !known.contains(&name.as_str()) {
+            bail!(
+                "the table has no {kind} `{name}`{}; are these the indices of another campaign?",
+                suggestion(name, known)
+            );
+        }
+    }
+    Ok(())
+}
+
+/// What the title of every page begins with.
+const TITLE: &str = "wbqp: campaign ";
+
+/// The most of a file that its title is looked for in, bytes.
+const HEAD: u64 = 1024;
+
+/// Whether a file is a page that this wrote before.
+fn is_page(file: &Path) -> bool {
+    let mut head = Vec::new();
+    let read =
+        wbqp::input::open(file).and_then(|file: File| file.take(HEAD).read_to_end(&mut head));
+    let head = String::from_utf8_lossy(&head);
+    read.is_ok() && head.starts_with("<!DOCTYPE html>") && head.contains(&format!("<title>{TITLE}"))
 }
 
 /// What is on the page.
@@ -140,7 +194,7 @@ impl Page<'_> {
                 head {
                     meta charset="utf-8";
                     meta name="viewport" content="width=device-width, initial-scale=1";
-                    title { "wbqp: campaign " (about.name) }
+                    title { (TITLE) (about.name) }
                     style { (PreEscaped(STYLE)) }
                 }
                 body {

@@ -10,11 +10,10 @@ mod skeleton;
 
 use std::{
     collections::BTreeMap,
-    fs,
     path::{Path, PathBuf},
 };
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use wbqp::{
     Controller, ControllerConfig,
     actuator::ActuatorKind,
@@ -30,6 +29,7 @@ use self::{
     skeleton::{Posture, Style, hull},
 };
 use super::{soles::Soles, summary::effort_pointer, traces::columns};
+use crate::output::{self, Existing};
 use crate::text::number;
 
 /// Postures that the traces are drawn from.
@@ -78,7 +78,7 @@ pub(super) fn draw(
     }
     let file = PathBuf::from(format!("{}.robot.svg", stem.display()));
     let svg = run.canvas(stem).svg();
-    fs::write(&file, svg).with_context(|| file.display().to_string())?;
+    output::write(&file, &svg, Existing::IsReplaced)?;
     Ok(Some(file))
 }
 

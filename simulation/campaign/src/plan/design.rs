@@ -3,10 +3,9 @@
 use rand::{Rng, SeedableRng, seq::SliceRandom};
 use rand_chacha::ChaCha8Rng;
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-use sobol::{Sobol, params::JoeKuoD6};
+use serde::{Deserialize, Deserializer, Serialize, de::Error};
 
-use super::distribution::Distribution;
+use super::{distribution::Distribution, sequence::Sequence};
 
 /// Which points of the factors' space are run.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -26,29 +25,51 @@ pub enum Design {
     /// Independent random points.
     Random {
         /// How many.
+        #[serde(deserialize_with = "points")]
         points: u32,
     },
     /// McKay, Beckman and Conover (1979): of every factor one random value from each of as many parts of the same
     /// measure as there are points.
     LatinHypercube {
         /// How many, at most 4 194 304.
+        #[serde(deserialize_with = "points")]
         points: u32,
     },
     /// Sobol's sequence with the direction numbers of Joe and Kuo (2008), without its first point, which is a corner.
     Sobol {
         /// How many.
+        #[serde(deserialize_with = "points")]
         points: u32,
     },
     /// Saltelli's (2002, 2010) for Sobol's first-order and total indices: `base × (factors + 2)` points in the order in
     /// which SALib wants them.
     Saltelli {
         /// Points of the sequence behind it; a power of 2 is best.
+        #[serde(deserialize_with = "base")]
         base: u32,
     },
 }
 
 fn five() -> u32 {
     5
+}
+
+fn points<'de, D: Deserializer<'de>>(from: D) -> Result<u32, D::Error> {
+    count_of("points", i64::deserialize(from)?)
+}
+
+fn base<'de, D: Deserializer<'de>>(from: D) -> Result<u32, D::Error> {
+    count_of("base", i64::deserialize(from)?)
+}
+
+/// A number of points, refused with its key, which a value inside a table is told without.
+fn count_of<E: Error>(key: &str, value: i64) -> Result<u32, E> {
+    u32::try_from(value).map_err(|_| {
+        E::custom(format!(
+            "`{key}` must be an integer from 0 to {}, is {value}",
+            u32::MAX
+        ))
+    })
 }
 
 /// The most points of a Latin hypercube: its permutations are in memory.
@@ -65,6 +86,8 @@ pub(crate) struct Points {
     seed: u32,
     /// Of a Latin hypercube: for each factor the part that each point is in.
     parts: Vec<Vec<u32>>,
+    /// Of Sobol's and Saltelli's designs.
+    sequence: Sequence,
 }
 
 impl Points {
@@ -98,12 +121,18 @@ impl Points {
                 parts.push(part);
             }
         }
+        let sequence = match design {
+            Design::Sobol { .. } => Sequence::new(factors.len()),
+            Design::Saltelli { .. } => Sequence::new(2 * factors.len()),
+            _ => Sequence::default(),
+        };
         Ok(Self {
             design: design.clone(),
             factors,
             count,
             seed,
             parts,
+            sequence,
         })
     }
 
@@ -187,38 +216,26 @@ impl Points {
             .collect()
     }
 
-    /// Points of a sequence that is made one after the other.
+    /// Points of a sequence.
     fn sequence_points(&self, numbers: std::ops::Range<u64>) -> Vec<Vec<Option<f64>>> {
         let k = self.factors.len();
         let saltelli = matches!(self.design, Design::Saltelli { .. });
-        let (dimensions, group) = if saltelli {
-            (2 * k, k as u64 + 2)
-        } else {
-            (k, 1)
-        };
-        let first = numbers.start / group;
-        let sequence = Sobol::<f64>::new(dimensions, &JoeKuoD6::extended());
-        let mut points = Vec::new();
-        for (base, at) in sequence.skip(1).zip(0_u64..).skip(first as usize) {
-            for member in 0..group {
-                let number = at * group + member;
-                if number >= numbers.end {
-                    return points;
-                }
-                if number < numbers.start {
-                    continue;
-                }
-                // A, then A with one column of B each, then B.
-                let from_b = |factor: usize| {
-                    saltelli && (member == group - 1 || member == 1 + factor as u64)
-                };
-                points.push(self.values(|factor| {
-                    let column = if from_b(factor) { k + factor } else { factor };
-                    base.get(column).copied().unwrap_or(0.5)
-                }));
+        let group = if saltelli { k as u64 + 2 } else { 1 };
+        let mut base = (0, self.sequence.point(1));
+        let point = |number: u64| {
+            let (at, member) = (number / group, number % group);
+            if at != base.0 {
+                base = (at, self.sequence.point(at + 1));
             }
-        }
-        points
+            // A, then A with one column of B each, then B.
+            let from_b =
+                |factor: usize| saltelli && (member == group - 1 || member == 1 + factor as u64);
+            self.values(|factor| {
+                let column = if from_b(factor) { k + factor } else { factor };
+                base.1.get(column).copied().unwrap_or(0.5)
+            })
+        };
+        numbers.map(point).collect()
     }
 }
 
@@ -298,6 +315,17 @@ mod tests {
                 let part = points.range(from..to);
                 assert_eq!(part, whole[from as usize..to as usize], "{design:?}");
             }
+        }
+    }
+
+    #[test]
+    fn a_late_point_of_the_longest_sequence_takes_no_longer_than_the_first() {
+        for (design, last) in [
+            (Design::Sobol { points: u32::MAX }, u64::from(u32::MAX)),
+            (Design::Saltelli { base: 1 << 29 }, 5 << 29),
+        ] {
+            let points = Points::new(&design, unit(3), 3).unwrap();
+            assert_eq!(points.range(last - 2..last).len(), 2);
         }
     }
 

@@ -6,6 +6,7 @@ mod error;
 mod factor;
 mod file;
 mod measure;
+mod sequence;
 mod variant;
 mod window;
 
@@ -103,9 +104,16 @@ impl Plan {
             place: name.to_owned(),
             message,
         })?;
-        let keys: Keys = toml::from_str(text).map_err(|error| PlanError::Syntax {
-            place: place(name, text, error.span().map_or(0, |span| span.start)),
-            message: in_words(error.message()),
+        let keys: Keys = toml::from_str(text).map_err(|error| {
+            let start = error.span().map_or(0, |span| span.start);
+            let message = in_words(error.message());
+            PlanError::Syntax {
+                place: place(name, text, start),
+                message: match key_before(text, start) {
+                    Some(key) if !message.contains(key) => format!("{key}: {message}"),
+                    _ => message,
+                },
+            }
         })?;
         let refuse = |span: Range<usize>, what: String| PlanError::Value {
             place: place(name, text, span.start),
@@ -369,6 +377,14 @@ fn check_rows(
         }
     }
     Ok(())
+}
+
+/// The key whose value begins at a byte of the file, if one does.
+fn key_before(text: &str, offset: usize) -> Option<&str> {
+    let before = text.get(..offset)?.trim_end().strip_suffix('=')?.trim_end();
+    let is_key = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.');
+    let start = before.rfind(|c: char| !is_key(c)).map_or(0, |at| at + 1);
+    before.get(start..).filter(|key| !key.is_empty())
 }
 
 /// `file:line:column`, columns in characters.

@@ -2,7 +2,7 @@
 
 use std::{
     fs::{self, File},
-    io::{ErrorKind, Read},
+    io::{self, ErrorKind, Read},
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -56,6 +56,7 @@ impl Writer {
             path: beside.clone(),
             source,
         };
+        refuse_irregular(&beside).map_err(at)?;
         let file = File::create(&beside).map_err(at)?;
         let handle = file.try_clone().map_err(at)?;
         let text = serde_json::to_string(description).unwrap_or_default();
@@ -104,8 +105,17 @@ impl Writer {
             path: self.path.clone(),
             source,
         };
+        refuse_irregular(&self.path).map_err(at)?;
         self.file.sync_all().map_err(at)?;
         fs::rename(&self.beside, &self.path).map_err(at)
+    }
+}
+
+/// Refuses what is there and is no regular file: opening a pipe waits for somebody at its other end.
+pub(crate) fn refuse_irregular(path: &Path) -> io::Result<()> {
+    match input::open(path) {
+        Err(error) if error.kind() != ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
     }
 }
 

@@ -11,17 +11,24 @@ use super::{
 };
 use crate::Part;
 
+/// The tables of all shards in a folder, which [`merge`] reads.
+///
+/// # Errors
+/// [`TableError::Nothing`], [`TableError::Missing`], [`TableError::Mixed`], or a folder that cannot be read.
+pub fn shards(directory: &Path) -> Result<Vec<PathBuf>, TableError> {
+    let parts = parts(directory)?.into_iter();
+    Ok(parts.map(|part| part.table(directory)).collect())
+}
+
 /// Makes one table of all shards' tables in a folder, the same for any number of shards. Returns what it says of
 /// itself.
 ///
 /// # Errors
 /// [`TableError::Nothing`], [`TableError::Missing`], [`TableError::Mixed`], or a file that cannot be read or written.
 pub fn merge(directory: &Path, to: &Path) -> Result<Description, TableError> {
-    let parts = parts(directory)?;
     let mut description: Option<(PathBuf, Description)> = None;
     let mut tables = Vec::new();
-    for part in parts {
-        let path = part.table(directory);
+    for path in shards(directory)? {
         let table = Table::open(&path)?;
         match &description {
             Some((one, known)) if known != table.description() => {

@@ -25,7 +25,8 @@ pub use column::Data;
 pub use description::{Description, FactorDescription};
 pub use error::TableError;
 pub use file::Table;
-pub use merge::merge;
+pub(crate) use file::refuse_irregular;
+pub use merge::{merge, shards};
 
 use crate::{Campaign, Outcome};
 

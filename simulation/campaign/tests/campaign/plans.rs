@@ -133,6 +133,18 @@ fn what_is_unknown_empty_or_not_there_is_named_with_its_place() {
             with("").replace("unit = \"m\"", "from = \"nowhere + 1\""),
             "the run has no mark `nowhere`",
         ),
+        (
+            with("").replace("points = 4", "points = 1000000000000"),
+            "design: `points` must be an integer from 0 to 4294967295, is 1000000000000",
+        ),
+        (
+            with("").replace("seed = 5", "seed = 9223372036854775807"),
+            "seed: invalid value: integer `9223372036854775807`, expected an integer from 0 to 4294967295",
+        ),
+        (
+            with("").replace("reduce = \"max_abs\"", "reduce = \"quantile\""),
+            "reduce: is a name without a value, and wants one: `{ name = value }`",
+        ),
     ];
     for (text, expected) in cases {
         let error = refused(&text);
