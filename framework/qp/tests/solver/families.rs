@@ -333,9 +333,12 @@ fn minimax(x: &mut [f64], rng: &mut ChaCha8Rng) -> Vec<Row> {
     let whole = rng.random_bool(0.3);
     let mut rows = Vec::new();
     for _ in 0..rng.random_range(1..=parameters.len().max(1)) {
-        let a = parameters.iter().map(|_| match whole {
-            true => f64::from(rng.random_range(-9..=9_i8)),
-            false => rng.random_range(-1.0..1.0),
+        let a = parameters.iter().map(|_| {
+            if whole {
+                f64::from(rng.random_range(-9..=9_i8))
+            } else {
+                rng.random_range(-1.0..1.0)
+            }
         });
         let a: Vec<f64> = a.collect();
         let (b, y) = (dot(&a, parameters), rng.random_range(0.1..1.0));

@@ -37,8 +37,11 @@ const VANISHES: f64 = 5e-13;
 /// The same of the largest component of the ray, in units in which the diagonal of H and the largest coefficient of
 /// every row are one, for each variable.
 const ROUNDING: f64 = 1e-15;
-/// How much further the cost has to fall along a ray than what the ray is off by explains.
+/// How much further the cost has to fall along a ray than what the ray is off by explains; and along one that is such
+/// a small part of −g that it may be nothing but rounding, whose parts happen to cancel in what explains it.
 const BEYOND: f64 = 64.0;
+const FAR_BEYOND: f64 = 1e8;
+const SMALL: f64 = 1e-12;
 /// A component of a ray below this part of the largest is rounding.
 const NO_COMPONENT: f64 = 1e-12;
 
@@ -283,7 +286,9 @@ impl Recession {
         explained += terms
             .map(|(d, size)| f64::EPSILON * *size * d.abs())
             .sum::<f64>();
-        -dot(g, ray) > BEYOND * explained
+        let is_small = largest(ray) <= SMALL * largest(g);
+        let beyond = if is_small { FAR_BEYOND } else { BEYOND };
+        -dot(g, ray) > beyond * explained
     }
 
     /// Corrects the direction by what is left of the sums that have to vanish, in units in which each of its components
