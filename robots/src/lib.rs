@@ -28,6 +28,7 @@ mod options;
 mod plugins;
 mod rotor_doubts;
 mod rotor_keys;
+mod rotor_limits;
 pub mod rotors;
 mod size;
 mod source;

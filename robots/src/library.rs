@@ -12,7 +12,7 @@ use wbqp::{
 use crate::{
     options::Options,
     rotor_doubts::doubts,
-    rotors,
+    rotor_limits, rotors,
     srdf::{self, GroupState},
     urdf,
 };
@@ -93,7 +93,7 @@ impl RobotFiles {
                 ));
             }
         };
-        let robot = urdf::robot(&urdf.name, &urdf.contents, options, &state)?;
+        let robot = urdf::robot(&urdf.name, &urdf.contents, options, state)?;
         let motors = motors(&urdf.name, &robot)?;
         let mut diagnostics = robot.diagnostics;
         let (model, mut actuators, places) = match &rotors {
@@ -294,6 +294,15 @@ fn limit_thrust(rotors: &mut [Actuator], thrust_max: f64) -> Result<(), RobotErr
             });
         }
         rotor.upper = thrust_max;
+        if let Some((key, what)) = rotor_limits::problem(rotor) {
+            return Err(RobotError::Option {
+                option: "thrust_max".to_owned(),
+                what: format!(
+                    "is {thrust_max:e} N: of rotor `{}`, {key} {what}",
+                    rotor.name
+                ),
+            });
+        }
     }
     Ok(())
 }

@@ -40,7 +40,7 @@ use wbqp::{
     suggestion::suggestion,
 };
 
-use crate::{direction::direction, rotor_keys, source::Source};
+use crate::{direction::direction, rotor_keys, rotor_limits, source::Source};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -300,7 +300,34 @@ impl Checker<'_> {
             upper: max,
             slew,
         };
+        if let Some((key, what)) = rotor_limits::problem(&actuator) {
+            let at = self.place_of(key, entry, defaults);
+            return self.refuse_at(at, format!("{key} {what}"));
+        }
         Ok((actuator, pose))
+    }
+
+    /// Where a key of numbers has its value.
+    fn place_of(&self, key: &str, entry: &Entry, defaults: &Defaults) -> usize {
+        fn start<T>(own: Option<&Spanned<T>>, default: Option<&Spanned<T>>) -> Option<usize> {
+            own.or(default).map(|value| value.span().start)
+        }
+        let (own, default) = (entry, defaults);
+        let at = match key {
+            "thrust_coefficient" => start(
+                own.thrust_coefficient.as_ref(),
+                default.thrust_coefficient.as_ref(),
+            ),
+            "moment_coefficient" => start(
+                own.moment_coefficient.as_ref(),
+                default.moment_coefficient.as_ref(),
+            ),
+            "thrust" => start(own.thrust.as_ref(), default.thrust.as_ref()),
+            "time_constant" => start(own.time_constant.as_ref(), default.time_constant.as_ref()),
+            "slew" => start(own.slew.as_ref(), default.slew.as_ref()),
+            _ => None,
+        };
+        at.unwrap_or(self.offset)
     }
 
     /// Of a rotor that is placed in the frame which it names.

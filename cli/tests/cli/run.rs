@@ -186,7 +186,7 @@ fn ticks_without_an_optimum_are_told() {
     for change in [
         "change.duration=0.1",
         "change.event=[]",
-        "measurement.max_joint_velocity=1e-9",
+        "measurement.max_joint_velocity=1e-6",
     ] {
         arguments.extend(["--set", change]);
     }

@@ -235,7 +235,10 @@ impl Parts {
             None => Some(defaults::fallback()),
         };
         let measurement = match document.measurement {
-            Some(section) => measurement(section, report),
+            Some(section) => {
+                let rate = settings.as_ref().map(|settings| settings.rate);
+                measurement(section, rate, report)
+            }
             None => Some(MeasurementLimits::default()),
         };
         let contacts = contacts(document.contacts, report);
@@ -306,13 +309,17 @@ fn settings(section: Option<Section<'_>>, report: &mut Report<'_>) -> Option<Set
     valid.then_some(settings)
 }
 
-fn measurement(section: Section<'_>, report: &mut Report<'_>) -> Option<MeasurementLimits> {
+fn measurement(
+    section: Section<'_>,
+    rate: Option<f64>,
+    report: &mut Report<'_>,
+) -> Option<MeasurementLimits> {
     let at = At::subject("measurement");
     let keys = section.clone();
     let load = MeasurementLimits::deserialize::<toml::de::ValueDeserializer<'_>>;
     let limits = table::read(section, measurement_schema(), &[], load, &at, report)?;
     let mut valid = true;
-    for (key, problem) in limits.problems() {
+    for (key, problem) in limits.problems(rate) {
         origin::report(&BindError::value(key, problem), Some(&keys), &at, report);
         valid = false;
     }

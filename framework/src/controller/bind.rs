@@ -161,7 +161,7 @@ impl Bound {
         } = parts;
         let mut misfits = Misfits::default();
         misfits.settings(&settings, &robot.model);
-        misfits.measurement(&measurement);
+        misfits.measurement(&measurement, settings.rate);
         misfits.robot(tag, robot.problems());
         // Plug-ins rely on a sound robot and a sound rate.
         misfits.stop_if_any()?;

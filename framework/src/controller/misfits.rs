@@ -87,8 +87,10 @@ impl Misfits {
         }
     }
 
-    pub(super) fn measurement(&mut self, limits: &MeasurementLimits) {
-        for (key, problem) in limits.problems() {
+    pub(super) fn measurement(&mut self, limits: &MeasurementLimits, rate: f64) {
+        // Of a rate that is none something is said already.
+        let rate = Some(rate).filter(|rate| rate.is_finite() && *rate > 0.0);
+        for (key, problem) in limits.problems(rate) {
             let error = BindError::value(key, problem);
             self.add(Target::Measurement, 0, "measurement".to_owned(), error);
         }

@@ -92,27 +92,108 @@ impl MeasurementLimits {
         max_moment: Some(f64::INFINITY),
     };
 
-    /// Keys with what is wrong with them.
-    pub(crate) fn problems(&self) -> impl Iterator<Item = (&'static str, String)> {
+    /// Keys with what is wrong with them, at a control rate in Hz if there is one.
+    pub(crate) fn problems(
+        &self,
+        rate: Option<f64>,
+    ) -> impl Iterator<Item = (&'static str, String)> {
+        let gap = self.gap_problem(rate).map(|problem| ("max_gap", problem));
         [
-            ("max_gap", self.max_gap),
-            ("max_position", self.max_position),
-            ("max_joint_position", self.max_joint_position),
-            ("max_linear_velocity", self.max_linear_velocity),
-            ("max_angular_velocity", self.max_angular_velocity),
-            ("max_joint_velocity", self.max_joint_velocity),
-            ("max_linear_acceleration", self.max_linear_acceleration),
-            ("max_angular_acceleration", self.max_angular_acceleration),
-            ("max_joint_acceleration", self.max_joint_acceleration),
-            ("max_position_jump", self.max_position_jump),
-            ("max_rotation_jump", self.max_rotation_jump),
-            ("max_joint_jump", self.max_joint_jump),
-            ("max_force", self.max_force),
-            ("max_moment", self.max_moment),
+            ("max_position", self.max_position, PLACE),
+            ("max_joint_position", self.max_joint_position, PLACE),
+            ("max_linear_velocity", self.max_linear_velocity, SPEED),
+            ("max_angular_velocity", self.max_angular_velocity, SPEED),
+            ("max_joint_velocity", self.max_joint_velocity, SPEED),
+            (
+                "max_linear_acceleration",
+                self.max_linear_acceleration,
+                ACCELERATION,
+            ),
+            (
+                "max_angular_acceleration",
+                self.max_angular_acceleration,
+                ACCELERATION,
+            ),
+            (
+                "max_joint_acceleration",
+                self.max_joint_acceleration,
+                ACCELERATION,
+            ),
+            ("max_position_jump", self.max_position_jump, JUMP),
+            ("max_rotation_jump", self.max_rotation_jump, JUMP),
+            ("max_joint_jump", self.max_joint_jump, JUMP),
+            ("max_force", self.max_force, FORCE),
+            ("max_moment", self.max_moment, MOMENT),
         ]
         .into_iter()
-        .filter_map(|(key, value)| value.map(|value| (key, value)))
-        .filter(|(_, value)| value.is_nan() || *value <= 0.0)
-        .map(|(key, value)| (key, format!("must be positive, `inf` for any, is {value}")))
+        .filter_map(|(key, value, least)| Some((key, least.problem(value?)?)))
+        .chain(gap)
     }
+
+    fn gap_problem(&self, rate: Option<f64>) -> Option<String> {
+        let gap = self.max_gap?;
+        if gap.is_nan() || gap <= 0.0 {
+            return Some(not_positive(gap));
+        }
+        let least = FEWEST_PERIODS / rate?;
+        (gap < least).then(|| {
+            format!(
+                "is {gap:e} s, must be at least two periods of `rate`, which are {least:e} s: no measurement would be \
+                 in time"
+            )
+        })
+    }
+}
+
+/// Below it nothing that a sensor says is within a bound.
+struct Least {
+    value: f64,
+    unit: &'static str,
+}
+
+/// A measurement comes after one period, and later where clocks differ.
+const FEWEST_PERIODS: f64 = 2.0;
+
+// A thousandth of the noise of what measures best, or less.
+const SPEED: Least = Least {
+    value: 1e-6,
+    unit: "m/s or rad/s",
+};
+const ACCELERATION: Least = Least {
+    value: 1e-4,
+    unit: "m/s² or rad/s²",
+};
+const PLACE: Least = Least {
+    value: 1e-6,
+    unit: "m or rad",
+};
+const JUMP: Least = Least {
+    value: 1e-9,
+    unit: "m or rad",
+};
+const FORCE: Least = Least {
+    value: 1e-4,
+    unit: "N",
+};
+const MOMENT: Least = Least {
+    value: 1e-6,
+    unit: "N·m",
+};
+
+impl Least {
+    fn problem(&self, value: f64) -> Option<String> {
+        let Self { value: least, unit } = self;
+        if value.is_nan() || value <= 0.0 {
+            return Some(not_positive(value));
+        }
+        (value < *least).then(|| {
+            format!(
+                "is {value:e}, must be at least {least:e} {unit}: what sensors say of a robot at rest differs by more"
+            )
+        })
+    }
+}
+
+fn not_positive(value: f64) -> String {
+    format!("must be positive, `inf` for any, is {value}")
 }

@@ -8,6 +8,8 @@ use wbqp::{
     nalgebra::{Matrix3, Vector3},
 };
 
+use crate::size::{LARGEST_NUMBER, SMALLEST_MASS};
+
 /// Mass, centre of mass and rotational inertia of a link, in its own frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -29,6 +31,34 @@ pub struct LinkInertia {
 }
 
 impl LinkInertia {
+    /// What no link can have, in words.
+    pub(crate) fn problem(&self) -> Option<String> {
+        let Self {
+            mass,
+            com,
+            moments,
+            products,
+        } = *self;
+        if !mass.is_finite() || mass < 0.0 {
+            return Some(format!(
+                "mass is {mass} kg, must be finite and not negative"
+            ));
+        }
+        if mass > LARGEST_NUMBER || (mass > 0.0 && mass < SMALLEST_MASS) {
+            return Some(format!(
+                "mass is {mass:e} kg, must be 0 or from {SMALLEST_MASS:e} to {LARGEST_NUMBER:e} kg"
+            ));
+        }
+        let numbers = [("com", com), ("moments", moments), ("products", products)];
+        numbers.into_iter().find_map(|(key, values)| {
+            let is_wrong = |x: &&f64| !x.is_finite() || x.abs() > LARGEST_NUMBER;
+            let wrong = values.iter().find(is_wrong)?;
+            Some(format!(
+                "{key} has {wrong:e}, must be finite and at most {LARGEST_NUMBER:e} (SI units)"
+            ))
+        })
+    }
+
     pub(crate) fn inertia(&self) -> Inertia {
         let [ixx, iyy, izz] = self.moments;
         let [ixy, ixz, iyz] = self.products;

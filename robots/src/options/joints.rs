@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use wbqp::robot::RobotError;
 
 use super::{MimicKind, Names, Options, refuse};
+use crate::size::LARGEST_NUMBER;
 
 /// What the options say of one moving joint.
 #[derive(Clone, Copy, Debug)]
@@ -120,13 +121,17 @@ impl Options {
             }
         }
         for (name, link) in &self.inertia {
-            let numbers = [link.com, link.moments, link.products].concat();
-            let finite = link.mass.is_finite() && numbers.iter().all(|x| x.abs() <= 1e9);
-            if !finite || link.mass < 0.0 || link.mass > 1e9 {
-                errors.push(refuse(
-                    "inertia",
-                    format!("link `{name}`: needs finite numbers and a mass that is not negative"),
-                ));
+            if let Some(what) = link.problem() {
+                errors.push(refuse("inertia", format!("link `{name}`: {what}")));
+            }
+        }
+        for (option, name, value) in self.numbers_of_joints() {
+            if value.is_finite() && value.abs() > LARGEST_NUMBER {
+                let what = format!(
+                    "joint `{name}`: {value:e} must be at most {LARGEST_NUMBER:e} (SI units), or `inf` where there \
+                     is no limit"
+                );
+                errors.push(refuse(option, what));
             }
         }
         if let Some(position) = self.position
@@ -134,6 +139,36 @@ impl Options {
         {
             errors.push(refuse("position", "needs finite numbers".into()));
         }
+        let position = self.position.unwrap_or_default();
+        if let Some(far) = position
+            .into_iter()
+            .find(|x| x.is_finite() && x.abs() > LARGEST_NUMBER)
+        {
+            let what = format!("has {far:e} m, must be at most {LARGEST_NUMBER:e} m");
+            errors.push(refuse("position", what));
+        }
         errors
+    }
+
+    /// Every number of a joint, with its option and the joint's name.
+    fn numbers_of_joints(&self) -> impl Iterator<Item = (&'static str, &str, f64)> {
+        let tables = [
+            ("home", &self.home),
+            ("velocity", &self.velocity),
+            ("effort", &self.effort),
+            ("armature", &self.armature),
+            ("damping", &self.damping),
+            ("friction", &self.friction),
+        ];
+        let single = tables.into_iter().flat_map(|(option, table)| {
+            table
+                .iter()
+                .map(move |(name, value)| (option, name.as_str(), *value))
+        });
+        let ranges = self
+            .range
+            .iter()
+            .flat_map(|(name, range)| range.iter().map(|limit| ("range", name.as_str(), *limit)));
+        single.chain(ranges)
     }
 }

@@ -8,6 +8,7 @@ use wbqp::{
 };
 
 use super::{Tree, TreeDrive};
+use crate::rotor_limits;
 
 impl Tree {
     /// Those of the model that the tree makes: rotors, then motors, in their order.
@@ -33,7 +34,7 @@ impl Tree {
                     "`moment` must be finite, `time_constant` and `thrust_coefficient` positive";
                 return Err(self.refuse(&element, what));
             }
-            actuators.push(Actuator {
+            let actuator = Actuator {
                 name: rotor.name.clone(),
                 kind: ActuatorKind::Rotor(Rotor {
                     frame,
@@ -50,7 +51,11 @@ impl Tree {
                 lower,
                 upper,
                 slew: f64::INFINITY,
-            });
+            };
+            if let Some((key, what)) = rotor_limits::problem(&actuator) {
+                return Err(self.refuse(&element, format!("`{key}` {what}")));
+            }
+            actuators.push(actuator);
         }
         for motor in &self.motors {
             let Some(joint) = model.joint(&motor.joint) else {

@@ -1,6 +1,6 @@
 //! What the reader finds in a file: errors, and irregularities that are repaired, or refused in strict mode.
 
-use wbqp::robot::{Diagnostic, RobotError, Severity};
+use wbqp::robot::{Diagnostic, RobotError, Severity, SourceLocation};
 
 use crate::source::Source;
 
@@ -50,7 +50,7 @@ pub(super) struct At<'e> {
 }
 
 /// Something that is not as it should be and can be repaired.
-pub(super) struct Irregularity {
+pub(crate) struct Irregularity {
     pub(super) severity: Severity,
     /// What strict mode says; nothing if strict mode accepts it.
     pub(super) strict: Option<String>,
@@ -63,7 +63,7 @@ pub(super) struct Irregularity {
 
 impl Irregularity {
     /// Worth a look: the robot may not be what its owner thinks.
-    pub(super) fn warning(found: impl Into<String>, done: impl Into<String>) -> Self {
+    pub(crate) fn warning(found: impl Into<String>, done: impl Into<String>) -> Self {
         Self {
             severity: Severity::Warning,
             strict: None,
@@ -75,7 +75,7 @@ impl Irregularity {
     }
 
     /// A habit of files that has one meaning.
-    pub(super) fn note(found: impl Into<String>, done: impl Into<String>) -> Self {
+    pub(crate) fn note(found: impl Into<String>, done: impl Into<String>) -> Self {
         Self {
             severity: Severity::Note,
             ..Self::warning(found, done)
@@ -83,7 +83,7 @@ impl Irregularity {
     }
 
     /// How to say otherwise.
-    pub(super) fn remedy(mut self, remedy: impl Into<String>) -> Self {
+    pub(crate) fn remedy(mut self, remedy: impl Into<String>) -> Self {
         self.remedy = remedy.into();
         self
     }
@@ -95,7 +95,7 @@ impl Irregularity {
     }
 
     /// What strict mode refuses it with.
-    pub(super) fn refused_as(mut self, strict: impl Into<String>) -> Self {
+    pub(crate) fn refused_as(mut self, strict: impl Into<String>) -> Self {
         self.strict = Some(strict.into());
         self
     }
@@ -148,24 +148,35 @@ impl<'a> Findings<'a> {
 
     /// Something that is repaired, and said; in strict mode refused if it has words for that.
     pub(super) fn repair(&mut self, at: At<'_>, irregularity: Irregularity) {
-        if self.is_strict()
-            && let Some(what) = irregularity.strict
-        {
-            self.refuse(at, what);
-            return;
-        }
+        let place = self.source.place(at.offset);
+        self.repair_elsewhere(place, at.element, irregularity);
+    }
+
+    /// The same of another file.
+    pub(super) fn repair_elsewhere(
+        &mut self,
+        place: SourceLocation,
+        element: &str,
+        irregularity: Irregularity,
+    ) {
         let Irregularity {
             severity,
+            strict,
             found,
             done,
             remedy,
             quantities,
-            ..
         } = irregularity;
+        if self.is_strict()
+            && let Some(what) = strict
+        {
+            self.refuse_elsewhere(place, element, what);
+            return;
+        }
         let diagnostic = Diagnostic {
             severity,
-            place: self.source.place(at.offset),
-            element: at.element.to_owned(),
+            place,
+            element: element.to_owned(),
             found,
             done,
             remedy,
@@ -175,6 +186,20 @@ impl<'a> Findings<'a> {
         } else {
             self.doubts.push((quantities, diagnostic));
         }
+    }
+
+    /// Something of another file without meaning.
+    pub(super) fn refuse_elsewhere(
+        &mut self,
+        place: SourceLocation,
+        element: &str,
+        what: impl Into<String>,
+    ) {
+        self.errors.push(RobotError::Element {
+            place,
+            element: element.to_owned(),
+            what: what.into(),
+        });
     }
 
     /// What is doubtful of an element, by its label, is given otherwise.

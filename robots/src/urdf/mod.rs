@@ -55,17 +55,18 @@ use wbqp::{
     nalgebra::{Isometry3, UnitQuaternion},
     robot::{Diagnostic, RobotError},
     state::State,
+    suggestion::suggestion,
 };
 
 use crate::{
     options::{JointOptions, Names, Options},
     source::Source,
-    srdf::GroupState,
+    srdf::{BasePose, GroupState},
     xml,
 };
-use description::Description;
-pub(crate) use findings::SUGGESTED;
-use findings::{At, Findings, Irregularity, Mode};
+use description::{Description, Kind};
+use findings::{At, Findings, Mode};
+pub(crate) use findings::{Irregularity, SUGGESTED};
 use motion::Motions;
 pub(crate) use reader::forgiving;
 
@@ -93,7 +94,7 @@ pub(crate) struct Moving {
 /// # Errors
 /// Everything in the file or in the options that is wrong.
 pub fn model(file: &str, text: &str, options: &Options) -> Result<Model, RobotError> {
-    Ok(robot(file, text, options, &GroupState::default())?.model)
+    Ok(robot(file, text, options, GroupState::default())?.model)
 }
 
 /// Reads the text of a URDF file with a named posture.
@@ -101,7 +102,7 @@ pub(crate) fn robot(
     file: &str,
     text: &str,
     options: &Options,
-    state: &GroupState,
+    mut state: GroupState,
 ) -> Result<Robot, RobotError> {
     let mode = if options.strict {
         Mode::Strict
@@ -134,7 +135,7 @@ pub(crate) fn robot(
         findings.stop_if_any()?;
     }
     let inertias = inertias(&description, options, &mut findings);
-    let postures = known_joints(&description, state, &mut findings);
+    let postures = known_joints(&description, &mut state, &mut findings);
     let motions = Motions::resolve(&description, options, postures, &mut findings);
     findings.stop_if_any()?;
     let assembled = assemble::assemble(
@@ -165,7 +166,7 @@ pub(crate) fn robot(
         physics::placed(&mut robot.home, pose);
         robot.base_is_placed = true;
     }
-    if let Some(X_WL) = &state.X_WR {
+    if let Some(BasePose { X_WR: X_WL, .. }) = &state.base {
         // The file's own root is meant, which is another link than the base if `root` says so.
         let own_root = &description.links[tree.own_root].name;
         let X_RL = pose_in_base(&robot.model, &robot.home, own_root);
@@ -227,38 +228,78 @@ fn positions(description: &Description) -> HashMap<&str, usize> {
         .collect()
 }
 
-/// The named posture by the file's joints; others are noted.
+/// The named posture by the file's joints; of others it is said that there are none.
 fn known_joints<'d>(
     description: &'d Description,
-    state: &GroupState,
+    state: &mut GroupState,
     findings: &mut Findings<'_>,
 ) -> HashMap<&'d str, f64> {
+    for oddity in state.oddities.drain(..) {
+        findings.repair_elsewhere(oddity.place, &oddity.element, oddity.irregularity);
+    }
     let mut postures = HashMap::new();
-    let mut unknown = Vec::new();
     let known = positions(description);
-    for (name, &q) in &state.joints {
-        match known.get_key_value(name.as_str()) {
-            Some((name, _)) => {
-                postures.insert(*name, q);
+    let kind = |name: &str| known.get(name).map(|&joint| description.joints[joint].kind);
+    for (name, given) in &state.joints {
+        let element = format!("joint `{name}`");
+        if let Some((name, &joint)) = known.get_key_value(name.as_str()) {
+            let kind = description.joints[joint].kind;
+            if let Some(wrong) = wrong_count(kind, given.is_turn) {
+                findings.refuse_elsewhere(given.place.clone(), &element, wrong);
             }
-            None => unknown.push(format!("`{name}`")),
+            postures.insert(*name, given.q);
+        } else {
+            let hint = if findings.may_suggest() {
+                suggestion(name, &sorted(known.keys().copied().collect()))
+            } else {
+                String::new()
+            };
+            let found = format!("the robot does not have it{hint}");
+            findings.repair_elsewhere(
+                given.place.clone(),
+                &element,
+                Irregularity::warning(found.clone(), "passed over").refused_as(found),
+            );
         }
     }
-    if !unknown.is_empty() {
-        let at = At {
-            offset: 0,
-            element: "home state",
-        };
-        let found = format!(
-            "names joints that the robot does not have: {}",
-            unknown.join(", ")
+    if let Some(base) = &state.base
+        && let Some(kind) = kind(&base.joint).filter(|kind| *kind != Kind::Floating)
+    {
+        let what = format!(
+            "has seven values, which are for a floating base: it is {}",
+            words(kind)
         );
-        findings.repair(
-            at,
-            Irregularity::note(found.clone(), "passed over").refused_as(found),
-        );
+        findings.refuse_elsewhere(base.place.clone(), &format!("joint `{}`", base.joint), what);
     }
     postures
+}
+
+fn sorted(mut names: Vec<&str>) -> Vec<&str> {
+    names.sort_unstable();
+    names
+}
+
+/// What is wrong with one number, or with cosine and sine, for a joint.
+fn wrong_count(kind: Kind, is_turn: bool) -> Option<String> {
+    match (kind, is_turn) {
+        (Kind::Floating, _) => Some("is the floating base: needs x y z qx qy qz qw".to_owned()),
+        (Kind::Prismatic | Kind::Fixed, true) => Some(format!(
+            "has cosine and sine, and is {}: needs one number",
+            words(kind)
+        )),
+        _ => None,
+    }
+}
+
+fn words(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Fixed => "fixed",
+        Kind::Revolute => "revolute",
+        Kind::Continuous => "continuous",
+        Kind::Prismatic => "prismatic",
+        Kind::Planar => "planar",
+        Kind::Floating => "floating",
+    }
 }
 
 /// The home posture; positions out of range are refused if an option gives them, and moved into it if a file does.

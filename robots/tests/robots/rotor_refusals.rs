@@ -418,3 +418,58 @@ fn an_axis_has_any_finite_length() {
         assert!(rotor(axis).is_err(), "{axis}");
     }
 }
+
+/// Numbers that can be read, and with which nothing can be computed or nothing would ever happen.
+#[test]
+fn numbers_that_leave_nothing_to_compute_with() {
+    for (old, new, place, said) in [
+        (
+            "2.5e-5",
+            "1e-308",
+            "r.toml:2:22: rotor `left`: thrust_coefficient is 1e-308",
+            "takes inf rad/s: must be between 1e-6 and 1e7 rad/s",
+        ),
+        (
+            "2.5e-5",
+            "1e300",
+            "r.toml:2:22: rotor `left`: thrust_coefficient is 1e300",
+            "rad/s",
+        ),
+        (
+            "0.02\nthrust",
+            "1e100\nthrust",
+            "r.toml:3:22: rotor `left`: moment_coefficient is 1e100 m",
+            "must be at most 1e3 m",
+        ),
+        (
+            "max = 10 ",
+            "max = 1e308 ",
+            "r.toml:4:10: rotor `left`: thrust has max 1e308 N",
+            "must be at most 1e9 N",
+        ),
+        (
+            "rise = 0.01",
+            "rise = 1e308",
+            "r.toml:5:17: rotor `left`: time_constant has 1e308 s",
+            "must be between 1e-9 and 1e4 s",
+        ),
+        (
+            "fall = 0.02 }",
+            "fall = 0.02 }\nslew = 1e-308",
+            "r.toml:6:8: rotor `left`: slew is 1e-308 N/s",
+            "make it larger, or leave it out",
+        ),
+    ] {
+        assert!(DEFAULTS.contains(old), "{old}");
+        let defaults = DEFAULTS.replace(old, new);
+        refused(&format!("{defaults}{ROTOR}"), &[place, said]);
+    }
+    let largest = Options {
+        thrust_max: Some(1e308),
+        ..Options::default()
+    };
+    let rotors = source("r.toml", &format!("{DEFAULTS}{ROTOR}"));
+    let error = from_sources(source("r.urdf", URDF), Some(rotors), &largest).unwrap_err();
+    let said = "thrust_max`: is 1e308 N: of rotor `left`, thrust has max 1e308 N";
+    assert!(error.to_string().contains(said), "{error}");
+}

@@ -796,7 +796,7 @@ fn a_state_of_the_srdf_is_home_and_places_the_base() {
     );
     contains(
         &robot.diagnostics[0].to_string(),
-        &["does not have: `tail`"],
+        &["r.srdf:3:9: warning: joint `tail`: the robot does not have it"],
     );
     assert_eq!(robot.sources.len(), 2);
     let error = files(None).load(&options).expect_err("no file").to_string();
@@ -807,6 +807,74 @@ fn a_state_of_the_srdf_is_home_and_places_the_base() {
     assert!(!load(&arm("revolute", LIMIT)).base_is_placed);
     let placed = load_with(&arm("revolute", LIMIT), &toml("position = [0.0, 0.0, 2.0]"));
     assert_eq!((placed.home.p_WR.z, placed.base_is_placed), (2.0, true));
+}
+
+/// Poses of the base that are none, values for another kind of joint, and what is there twice.
+#[test]
+fn a_state_of_the_srdf_is_checked() {
+    let load = |joints: &str| {
+        let srdf = format!(
+            "<robot name=\"r\">\n<group_state name=\"s\" group=\"g\">\n{joints}</group_state></robot>"
+        );
+        let files = RobotFiles {
+            urdf: source("r.urdf", &arm("revolute", LIMIT)),
+            rotors: None,
+            srdf: Some(source("r.srdf", &srdf)),
+        };
+        files.load(&toml("state = 's'"))
+    };
+    let base = |value: &str| format!("<joint name=\"root_joint\" value=\"{value}\"/>");
+    let elbow = |value: &str| format!("<joint name=\"elbow\" value=\"{value}\"/>");
+    for (joints, said) in [
+        (
+            base("0 0 1e300 0 0 0 1"),
+            "r.srdf:3:1: joint `root_joint`: value has 1e300, must be at most 1e9",
+        ),
+        (
+            base("0 0 1 0 0 0 0"),
+            "r.srdf:3:1: joint `root_joint`: the quaternion qx qy qz qw",
+        ),
+        (base("0 0 inf 0 0 0 1"), "value=\"0 0 inf 0 0 0 1\" must be"),
+        (base("0 0 1 0 0 1"), "value=\"0 0 1 0 0 1\" must be"),
+        (
+            base("0 0 1 0 0 0 1") + &base("0 0 1 0 0 0 1"),
+            "is the second pose of the base",
+        ),
+        (
+            elbow("0 0 0.5 0 0 0 1"),
+            "r.srdf:3:1: joint `elbow`: has seven values, which are for a floating base: it is revolute",
+        ),
+    ] {
+        let error = load(&joints).expect_err("is refused").to_string();
+        contains(&error, &[said]);
+    }
+    let odd = load(&base("0 0 0.5 3 4 0 0")).expect("is normalised");
+    assert!((odd.home.R_WR.norm() - 1.0).abs() < 1e-12);
+    contains(
+        &odd.diagnostics[0].to_string(),
+        &[
+            "r.srdf:3:1: warning: joint `root_joint`: its quaternion qx qy qz qw has a norm of 5.000: normalised",
+        ],
+    );
+    let typo = load("<joint name=\"elbov\" value=\"0.5\"/>").expect("is passed over");
+    contains(
+        &typo.diagnostics[0].to_string(),
+        &["warning: joint `elbov`: the robot does not have it; did you mean `elbow`?"],
+    );
+    let again = format!(
+        "</group_state>\n<group_state name=\"s\" group=\"g\">{}",
+        elbow("0.2")
+    );
+    let twice = load(&(elbow("0.1") + &again)).expect("is taken");
+    assert_eq!(twice.home.q[0], 0.2);
+    let said: Vec<String> = twice.diagnostics.iter().map(ToString::to_string).collect();
+    contains(
+        &said.join("\n"),
+        &[
+            "r.srdf:4:1: warning: group state `s`: is there twice for the group `g`: both count",
+            "joint `elbow`: is at 0.1 in one state of this name, and at 0.2 here: the last counts",
+        ],
+    );
 }
 
 #[test]
@@ -988,7 +1056,7 @@ fn strict_mode_does_not_mend_a_home_state() {
     let unknown = load(r#"<joint name="tail" value="1"/>"#).expect_err("no such joint");
     contains(
         &unknown,
-        &["home state: names joints that the robot does not have: `tail`"],
+        &["r.srdf:1:", "joint `tail`: the robot does not have it"],
     );
     assert_eq!(load(r#"<joint name="elbow" value="0.5"/>"#), Ok(()));
 }

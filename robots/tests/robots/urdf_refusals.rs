@@ -236,6 +236,57 @@ fn impossible_limits() {
     );
 }
 
+/// What would be refused as an option is refused in the file, whether strict or not.
+#[test]
+fn numbers_that_no_robot_has() {
+    let limit = |key: &str, value: &str| {
+        let limit = LIMIT.replace(
+            &format!("{key}=\""),
+            &format!("{key}=\"{value}\" was_{key}=\""),
+        );
+        assert_ne!(limit, LIMIT);
+        arm("revolute", &limit)
+    };
+    let dynamics = |what: &str| arm("revolute", &format!("<dynamics {what}/>{LIMIT}"));
+    let fine = ["0.1", "0.1", "0.1"];
+    for (text, said) in [
+        (dynamics("damping=\"1e300\""), "<dynamics> damping is 1e300"),
+        (
+            dynamics("friction=\"1e300\""),
+            "<dynamics> friction is 1e300",
+        ),
+        (inertial("1e-320", fine), "kg, must be at least 1e-12 kg"),
+    ] {
+        for strict in [false, true] {
+            let options = Options {
+                strict,
+                ..Options::default()
+            };
+            let error = urdf::model("r.urdf", &text, &options).expect_err("is refused");
+            let error = error.to_string();
+            assert!(
+                error.starts_with("r.urdf:") && error.contains(said),
+                "{error}"
+            );
+        }
+    }
+    // What some programs write where there is no limit.
+    for key in ["effort", "velocity"] {
+        refused(&limit(key, "1e308"), &[&format!("{key} limit is 1e308")]);
+        let endless = urdf::model("r.urdf", &limit(key, "1e16"), &Options::default());
+        let limits = endless.expect("has no such limit").joints()[0].limits;
+        let [effort, velocity] = [limits.effort, limits.velocity].map(f64::is_infinite);
+        assert_eq!((effort, velocity), (key == "effort", key == "velocity"));
+    }
+    refused(
+        &limit("upper", "1e300"),
+        &["joint `elbow`: `upper` of its range is 1e300, beyond 1e16"],
+    );
+    let endless = urdf::model("r.urdf", &limit("upper", "1e300"), &Options::default());
+    let limits = endless.expect("has no upper limit").joints()[0].limits;
+    assert_eq!((limits.lower, limits.upper), (-1.0, f64::INFINITY));
+}
+
 #[test]
 fn axis_without_direction() {
     let axis = |xyz| arm("revolute", &format!("<axis xyz=\"{xyz}\"/>{LIMIT}"));
@@ -435,4 +486,29 @@ fn options() {
         &["option `armature`", "must be finite"],
     );
     assert!(toml::from_str::<Options>("bse = 'fixed'").is_err());
+}
+
+#[test]
+fn numbers_of_options_that_no_robot_has() {
+    let options = |text: &str| toml::from_str::<Options>(text).expect("are options");
+    for (text, said) in [
+        (
+            "effort.elbow = 1e308",
+            "joint `elbow`: 1e308 must be at most 1e9",
+        ),
+        (
+            "range.elbow = [-1e300, 1.0]",
+            "joint `elbow`: -1e300 must be at most 1e9",
+        ),
+        (
+            "inertia.arm = { mass = 1e13, moments = [1.0, 1.0, 1.0] }",
+            "link `arm`: mass is 1e13 kg, must be 0 or from 1e-12 to 1e9 kg",
+        ),
+        (
+            "inertia.arm = { mass = 1.0, moments = [1e10, 1.0, 1.0] }",
+            "link `arm`: moments has 1e10, must be finite and at most 1e9",
+        ),
+    ] {
+        refused_with(&arm("revolute", LIMIT), &options(text), &[said]);
+    }
 }

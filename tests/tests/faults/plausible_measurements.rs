@@ -489,6 +489,7 @@ fn the_table_of_a_file_is_read_checked_and_saved() {
         format!("[controller]\nrate = 250.0\n[robot]\ntype = 'othex'\n[measurement]\n{keys}\n")
     };
     let read = |keys: &str| ControllerConfig::from_str(&text(keys), "c.toml", "");
+    read("max_gap = 0.008\nmax_joint_velocity = 1e-6").expect("are the least");
     let config = read("max_linear_velocity = 12.5\nmax_force = inf").expect("is valid");
     assert_eq!(config.measurement.max_linear_velocity, Some(12.5));
     let saved = config.to_toml().expect("can be written");
@@ -510,6 +511,22 @@ fn the_table_of_a_file_is_read_checked_and_saved() {
         ),
         ("max_speed = 1.0", "unknown key `max_speed`"),
         ("max_force = nan", "must be positive"),
+        (
+            "max_gap = 1e-6",
+            "c.toml:6:11: measurement: max_gap: is 1e-6 s, must be at least two periods of `rate`, which are 8e-3 s",
+        ),
+        (
+            "max_force = 1e-300",
+            "c.toml:6:13: measurement: max_force: is 1e-300, must be at least 1e-4 N",
+        ),
+        (
+            "max_linear_velocity = 1e-300",
+            "max_linear_velocity: is 1e-300, must be at least 1e-6 m/s or rad/s",
+        ),
+        (
+            "max_position_jump = 1e-300",
+            "max_position_jump: is 1e-300, must be at least 1e-9 m or rad",
+        ),
         ("max_moment = 'x'", "max_moment"),
     ] {
         let errors = read(keys).expect_err("is wrong").to_string();

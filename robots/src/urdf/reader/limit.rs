@@ -3,10 +3,25 @@
 use roxmltree::Node;
 
 use super::element::Reader;
-use crate::urdf::{
-    description::{Kind, Limit},
-    findings::{Irregularity, Quantity},
+use crate::{
+    size::LARGEST_NUMBER,
+    urdf::{
+        description::{Kind, Limit},
+        findings::{Irregularity, Quantity},
+    },
 };
+
+/// What exporters write for a range without an end, rad: up to it a range is taken as it is, and needs no word.
+const HABITUAL: f64 = 1e16;
+
+/// A position, or infinity for one that no joint comes to.
+fn endless(position: f64) -> f64 {
+    if position.abs() > HABITUAL {
+        f64::INFINITY.copysign(position)
+    } else {
+        position
+    }
+}
 
 impl Reader<'_, '_> {
     /// `<limit>`: what is missing, zero or meaningless counts as not given.
@@ -174,6 +189,21 @@ impl Reader<'_, '_> {
             return None;
         }
         let value = self.number(limit, key)?;
+        if value == f64::INFINITY {
+            return Some(value);
+        }
+        if value > LARGEST_NUMBER {
+            // What exporters write where there is no limit: 1e16, or the largest number there is.
+            let found = format!("{key} limit is {value:e}");
+            self.repair(
+                limit,
+                Irregularity::note(found.clone(), "taken as unlimited")
+                    .remedy(remedy)
+                    .unless_given([quantity])
+                    .refused_as(found),
+            );
+            return None;
+        }
         if value > 0.0 {
             return Some(value);
         }
@@ -192,6 +222,28 @@ impl Reader<'_, '_> {
             None => self.repair(limit, irregularity),
         }
         self.findings.is_strict().then_some(value)
+    }
+
+    /// A number that no joint comes to has no meaning but that there is no end.
+    fn tell_endless(&mut self, limit: Node<'_, '_>) {
+        for key in ["lower", "upper"] {
+            let text = limit.attribute(key).unwrap_or_default().trim();
+            let far = text
+                .parse()
+                .is_ok_and(|value: f64| value.is_finite() && endless(value).is_infinite());
+            if far {
+                let found = format!("`{key}` of its range is {text}, beyond {HABITUAL:e}");
+                self.repair(
+                    limit,
+                    Irregularity::note(found.clone(), "taken as unlimited on this side")
+                        .remedy("set the robot's option `range` for this joint")
+                        .unless_given([Quantity::Range])
+                        .refused_as(format!(
+                            "{found}; a joint that turns for ever is `continuous`"
+                        )),
+                );
+            }
+        }
     }
 
     fn range(&mut self, limit: Node<'_, '_>, needs: &str) -> [Option<f64>; 2] {
@@ -233,6 +285,7 @@ impl Reader<'_, '_> {
             }
         };
         let (lower, upper) = (read("lower", missing[0]), read("upper", missing[1]));
+        let [lower, upper] = [lower, upper].map(|limit| limit.map(endless));
         let (from, to) = (
             lower.unwrap_or(f64::NEG_INFINITY),
             upper.unwrap_or(f64::INFINITY),
@@ -242,6 +295,7 @@ impl Reader<'_, '_> {
         } else if from > to {
             format!("lower limit {from} is above upper limit {to}")
         } else {
+            self.tell_endless(limit);
             return [lower, upper];
         };
         self.repair(

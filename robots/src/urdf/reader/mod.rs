@@ -21,6 +21,7 @@ use super::{
 };
 use crate::{
     direction::direction,
+    size::SMALLEST_MASS,
     source::Source,
     xml::{self, DEEPEST},
 };
@@ -296,6 +297,16 @@ impl Reader<'_, '_> {
                 );
                 return None;
             }
+            if mass > 0.0 && mass < SMALLEST_MASS {
+                self.refuse(
+                    element,
+                    format!(
+                        "mass is {mass:e} kg, must be at least {SMALLEST_MASS:e} kg; a link that is a frame only needs \
+                         no <inertial>"
+                    ),
+                );
+                return None;
+            }
             self.bounded(element, "value", mass)
         });
         let inertia = self.required(node, "inertia");
@@ -429,7 +440,7 @@ impl Reader<'_, '_> {
             }
             let value = self.number(dynamics, key).unwrap_or_default();
             if value.is_finite() && value >= 0.0 {
-                return value;
+                return self.bounded(dynamics, key, value).unwrap_or_default();
             }
             self.repair(
                 dynamics,
