@@ -27,8 +27,8 @@ pub(crate) fn problem(actuator: &Actuator) -> Option<(&'static str, String)> {
     let [least, fastest] = SPEEDS;
     if most > 0.0 && !(least..=fastest).contains(&speed) {
         let what = format!(
-            "is {:e} N/(rad/s)², so that the largest thrust, {most} N, takes {speed:e} rad/s: must be between {least:e} \
-             and {fastest:e} rad/s",
+            "is {:e} N/(rad/s)², so that the largest thrust, {most} N, takes {speed:e} rad/s: must be between \
+             {least:e} and {fastest:e} rad/s",
             rotor.thrust_coefficient
         );
         return Some(("thrust_coefficient", what));

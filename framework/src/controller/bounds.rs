@@ -1,13 +1,13 @@
 //! The bounds of what a measurement may be: the configuration's, or from the robot.
 //!
 //! # Where the bounds come from
-//! Joints may be `c` times as far from zero as their range goes, with `c` = 10 for "ten times what is possible", and the
-//! base [`FARTHEST`] from the world's origin. Speeds are, per revolute joint `c max(q̇_max, 50 rad/s)`, per prismatic joint
-//! `c max(q̇_max, 5 m/s)`; a limit above [`FASTEST`] says nothing, as no limit, and counts as 100 rad/s or 10 m/s. The
-//! base turns as fast as the fastest revolute joint, and moves with `c max(10 m/s, q̇_max r)`, with the largest limit
-//! and the reach r: how far from the base's origin anything can be. Accelerations go to the largest speed within
-//! [`REACTION`]. Forces go to `c (m g + Σ thrust + Σ torque / r)`, or to `c` times the contact's `force_max` where that
-//! is more, and moments to the force times r, at least 0.1 m.
+//! Joints may be `c` times as far from zero as their range goes, with `c` = 10 for "ten times what is possible", and
+//! the base [`FARTHEST`] from the world's origin. Speeds are, per revolute joint `c max(q̇_max, 50 rad/s)`, per
+//! prismatic joint `c max(q̇_max, 5 m/s)`; a limit above [`FASTEST`] says nothing, as no limit, and counts as 100 rad/s
+//! or 10 m/s. The base turns as fast as the fastest revolute joint, and moves with `c max(10 m/s, q̇_max r)`, with the
+//! largest limit and the reach r: how far from the base's origin anything can be. Accelerations go to the largest speed
+//! within [`REACTION`]. Forces go to `c (m g + Σ thrust + Σ torque / r)`, or to `c` times the contact's `force_max`
+//! where that is more, and moments to the force times r, at least 0.1 m.
 
 use std::f64::consts::PI;
 

@@ -1,10 +1,10 @@
 //! What the sensors say at the beginning of a tick, and whether it can be true of the robot.
 //!
 //! # What is compared
-//! The time since the last usable state, places, speeds and forces with a bound each ([`bounds`](super::bounds)). Positions and
-//! velocities, besides, with those of the last usable state. Positions may have changed by a bound per period, for as
-//! many periods as the robot was not seen, and while it was seen by twice what its speed explains. Velocities may have
-//! changed by a bound for all the time in between.
+//! The time since the last usable state, places, speeds and forces with a bound each ([`bounds`](super::bounds)).
+//! Positions and velocities, besides, with those of the last usable state. Positions may have changed by a bound per
+//! period, for as many periods as the robot was not seen, and while it was seen by twice what its speed explains.
+//! Velocities may have changed by a bound for all the time in between.
 //!
 //! A state is usable if it is finite and plausible, whether or not the wrenches beside it are: of a measurement whose
 //! wrenches alone cannot be used the state is taken over, and its stamp counts.

@@ -162,7 +162,8 @@ impl Misfits {
         self.add(target, index, subject, error);
     }
 
-    /// Names that are empty, have control characters or are given twice: possible only in code, files are checked when they are read.
+    /// Names that are empty, have control characters or are given twice: possible only in code, files are checked when
+    /// they are read.
     pub(super) fn names(
         &mut self,
         contacts: &[ContactSpec],

@@ -85,7 +85,7 @@ pub enum ScenarioError {
         asked: f64,
         /// Largest normal force in a static equilibrium, N; `None` if there is no equilibrium.
         possible: Option<f64>,
-        /// What does not let the plant push harder, in words; first, if the plant lacks something for the contact, what.
+        /// What does not let the plant push harder, in words; first what the plant lacks for the contact, if anything.
         limits: Vec<String>,
     },
     /// The plant or its sensors are refused.

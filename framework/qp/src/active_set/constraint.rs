@@ -150,7 +150,8 @@ pub(super) fn keep_bounds(qp: &Qp, solution: &mut Solution) {
 }
 
 /// Moves what a bound holds onto it, where its multiplier is larger than what rows push with, and what it is off by
-/// costs more than [`CHEAP`] of the linear cost: off by rounding it costs that multiplier, and rows cost less.
+/// costs more than [`CHEAP`] of the linear cost: off by rounding it costs that multiplier, and rows cost less. The
+/// gradient may change by no more than such a part of the multiplier.
 #[inline(always)]
 pub(super) fn settle_on_bounds(qp: &Qp, solution: &mut Solution) {
     let Solution { x, y, z, .. } = solution;
@@ -168,7 +169,8 @@ pub(super) fn settle_on_bounds(qp: &Qp, solution: &mut Solution) {
         let distance = (*x - limit).abs();
         if z.abs() * distance > cheap && distance <= VIOLATION * (limit.abs() + x.abs()).max(1.0) {
             let rows = (0..qp.m()).map(|i| (qp.row(i)[j] * y[i]).abs());
-            if rows.sum::<f64>() <= z.abs() {
+            let bends = qp.h()[j * qp.n() + j] * distance > CHEAP * z.abs();
+            if !bends && rows.sum::<f64>() <= z.abs() {
                 *x = limit;
             }
         }

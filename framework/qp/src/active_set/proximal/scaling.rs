@@ -3,9 +3,9 @@
 //! # Mathematics
 //! With `x = D x'` and `A' = R A D`, `H' = c D H D`, `g' = c D g`. D makes the diagonal of H one where it is not zero;
 //! a variable without curvature gets the unit in which its coefficients are those of others, in the geometric mean, or
-//! its bounds are one; one that has nothing but a cost, the unit in which that is one. R makes the largest coefficient of every row one. c makes the larger of H and a thousandth of g
-//! one. All are powers of two, so that nothing is rounded, and the scaled problem hardly depends on the units of the
-//! problem.
+//! its bounds are one; one that has nothing but a cost, the unit in which that is one. R makes the largest coefficient
+//! of every row one. c makes the larger of H and a thousandth of g one. All are powers of two, so that nothing is
+//! rounded, and the scaled problem hardly depends on the units of the problem.
 
 use super::super::constraint::{ENDLESS, range};
 use crate::{Qp, QpError, Solution};
