@@ -12,7 +12,10 @@ use std::{
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use wbqp_campaign::Plan;
-use wbqp_terminal::say;
+use wbqp_terminal::{
+    output::{self, Existing},
+    say,
+};
 
 /// Writes and submits an array of Slurm jobs, one per shard, and a job that merges their tables
 ///
@@ -105,9 +108,10 @@ impl Arguments {
     }
 }
 
+/// A job that is queued again reads its script anew: it finds the old one or the new one, never half of one.
 fn write(out: &Path, name: &str, text: &str) -> Result<PathBuf> {
     let path = out.join(name);
-    fs::write(&path, text).with_context(|| path.display().to_string())?;
+    output::write(&path, text, Existing::IsReplaced)?;
     Ok(path)
 }
 

@@ -10,7 +10,7 @@ use toml::{
 
 use super::{
     ConfigErrorKind as Kind, expand,
-    meaning::WEIGHTS,
+    plausible::WEIGHTS,
     report::{At, Report, Span, Step},
     table::{self, Section},
 };

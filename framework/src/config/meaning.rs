@@ -9,10 +9,8 @@
 //! |---|---|---|
 //! | `weight` | the largest is above 10¹² × the smallest that is not zero | below 1e-100, above 1e100 |
 //! | gains, 1/s, 1/s², 1/s³ | above (2 rate)ⁿ: no discrete loop is stable with that | a million times as much |
-//! | a time, s | above a month | below 1 ns unless zero, above a million years |
-//! | `friction`, the half length of a sole | above the limit in [`unusual`] | as everything of its unit |
-//! | anything else with a unit | above the limit in [`largest`] | a million times as much |
 //! | `rate`, Hz | below 1 | below 0.1: a period |
+//! | anything else with a unit | as in [`plausible`](super::plausible) | |
 
 use std::sync::OnceLock;
 
@@ -25,6 +23,7 @@ use super::{
     document::Document,
     entry,
     expand::{schema as short, value},
+    plausible::{FAR, MOST_APART, Remark, WEIGHTS, of_unit, unusual},
     report::{At, Path, Report, Span, Step},
     table::Section,
 };
@@ -37,60 +36,6 @@ use crate::{
     settings::Settings,
 };
 use wbqp_robot_model::{Diagnostic, Robot, Severity};
-
-/// Weights whose products with squares of anything else that is taken do not overflow, and do not vanish.
-pub(super) const WEIGHTS: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
-/// Weights further apart than this leave nothing of the smaller one: 64 bits have sixteen digits.
-const MOST_APART: f64 = 1e12;
-/// What is refused is this many times what is warned of.
-const FAR: f64 = 1e6;
-/// The longest time that is taken without a warning, s: a month.
-const LONG: f64 = 2.6e6;
-/// The longest time, s: a million years.
-const LONGEST: f64 = 3.2e13;
-/// The shortest time that is not zero, s.
-const SHORTEST: f64 = 1e-9;
-
-/// The largest number of a unit that is taken without a warning; nothing for a unit that says nothing about it.
-fn largest(unit: &str) -> Option<f64> {
-    Some(match unit {
-        // Further than a robot goes, more often than one turns round, faster than it moves.
-        "m" | "rad" | "m/s" | "rad/s" => 1e4,
-        "Hz" => 1e5,
-        // Accelerations; masses and inertias; friction, turns, tolerances.
-        "m/s²" | "rad/s²" | "kg" | "kg·m²" | "kg·m²/s" | "1" => 1e6,
-        // The thrust of a launcher.
-        "N" | "N·m" | "N/s" | "N·s/m" | "N·m·s/rad" | "N/m" => 1e8,
-        _ => return None,
-    })
-}
-
-/// What is to be said of a number that its unit allows and its key hardly does.
-fn unusual(key: &str, unit: &str, value: &Spanned<DeValue<'_>>) -> Option<Remark> {
-    let number = number(value)?;
-    // The largest that somebody may mean.
-    let (most, why, remedy) = match key {
-        // Rubber on dry concrete has 1, tyres of racing cars have less than 3.
-        "friction" => (
-            5.0,
-            "no two materials have a Coulomb coefficient of more than 5",
-            "it is a ratio of forces, not in per cent",
-        ),
-        // Of a short contact its `size`, halved.
-        "half_length_x" | "half_length_y" => (
-            1.0,
-            "no sole is longer than 2 m",
-            "lengths, as a contact's `size`, of which this is half, are in m",
-        ),
-        _ => return None,
-    };
-    let size = number.abs();
-    (size > most && size <= largest(unit)?).then(|| Remark {
-        found: format!("is {number}: {why}"),
-        remedy: remedy.to_owned(),
-        is_refused: false,
-    })
-}
 
 /// Nobody controls a robot less often, Hz.
 const SLOW: f64 = 1.0;
@@ -132,6 +77,34 @@ pub(super) fn check(document: &Document<'_>, report: &mut Report<'_>) -> Vec<Dia
     check.warnings
 }
 
+/// Looks at the numbers of a reference as they would be looked at in a file; `unit` is that of its task's values.
+/// Gives back what may be a mistake.
+///
+/// # Errors
+/// What cannot be meant, with its key.
+pub fn check_reference(reference: &toml::Table, unit: &str) -> Result<Vec<String>, String> {
+    let text = reference.to_string();
+    // What is no table of a file is none of a reference: whoever reads it says so.
+    let Ok(keys) = DeTable::parse(&text) else {
+        return Ok(Vec::new());
+    };
+    let mut report = Report::new("", &text, Vec::new());
+    let mut check = Check {
+        rate: None,
+        report: &mut report,
+        warnings: Vec::new(),
+        weights: Vec::new(),
+    };
+    check.plugin::<dyn AnyReference>(&At::default(), keys.get_ref(), Some(unit));
+    let warnings = check.warnings;
+    report.finish().map_err(|errors| {
+        let first = errors.iter().next();
+        first.map_or_else(String::new, |error| error.message.clone())
+    })?;
+    let words = |warning: &Diagnostic| format!("{}; {}", warning.found, warning.remedy);
+    Ok(warnings.iter().map(words).collect())
+}
+
 /// A weight that is not zero.
 struct Weight {
     value: f64,
@@ -146,13 +119,6 @@ struct Check<'c, 'r> {
     warnings: Vec<Diagnostic>,
     /// The smallest and the largest so far.
     weights: Vec<Weight>,
-}
-
-/// What is to be said of a number.
-struct Remark {
-    found: String,
-    remedy: String,
-    is_refused: bool,
 }
 
 impl Check<'_, '_> {
@@ -217,7 +183,8 @@ impl Check<'_, '_> {
                 Some("the task's") => unit,
                 own => own,
             };
-            if let Some(remark) = own.and_then(|unit| unusual(key, unit, value)) {
+            let odd = own.zip(number(value));
+            if let Some(remark) = odd.and_then(|(unit, number)| unusual(key, number, unit)) {
                 self.say(&at.key(key), value.span(), remark);
             } else {
                 self.value(&at.key(key), node.at(about), value, (own, unit));
@@ -305,26 +272,7 @@ impl Check<'_, '_> {
                 is_refused: size > FAR * most,
             });
         }
-        if unit == "s" {
-            let is_refused = size > LONGEST || (size > 0.0 && size < SHORTEST);
-            let what = if size > LONG {
-                "longer than any run"
-            } else {
-                "shorter than any period"
-            };
-            return (is_refused || size > LONG).then(|| Remark {
-                found: format!("is {number:e} s: {what}"),
-                remedy: "it counts in seconds".to_owned(),
-                is_refused,
-            });
-        }
-        // Of `N·m or N`, whichever is larger.
-        let most = unit.split(" or ").filter_map(largest).reduce(f64::max)?;
-        (size > most).then(|| Remark {
-            found: format!("is {number:e} {unit}: no robot has more than {most:e}"),
-            remedy: format!("it counts in {unit}"),
-            is_refused: size > FAR * most,
-        })
+        of_unit(number, unit)
     }
 
     fn say(&mut self, at: &At, span: Span, remark: Remark) {

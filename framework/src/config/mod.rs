@@ -39,6 +39,7 @@ mod load;
 mod meaning;
 mod origin;
 mod overrides;
+pub mod plausible;
 mod report;
 mod save;
 mod table;
@@ -56,6 +57,7 @@ use wbqp_robot_model::{Diagnostic, Robot, SourceFile};
 pub use build::Plan;
 pub use error::{ConfigError, ConfigErrorKind, ConfigErrors};
 pub use expand::expand;
+pub use meaning::check_reference;
 pub use overrides::{Overrides, key_path};
 pub use table::in_words;
 

@@ -24,6 +24,9 @@ const SHORTEST_WINDOW: f64 = 1e-6;
 /// Largest factor of a mismatch: beyond it, it was meant as something else.
 const LARGEST_FACTOR: f64 = 20.0;
 
+/// Smallest factor on masses and inertias: with less nothing is left of a robot.
+const SMALLEST_FACTOR: f64 = 1e-3;
+
 /// Name of a disturbance that is given none.
 pub const DISTURBANCE: &str = "disturbance";
 
@@ -247,22 +250,22 @@ impl WallConfig {
     }
 
     fn check(&self, key: &str, step: f64, problems: &mut Problems) {
-        let key = |name| format!("{key} `{}`: {name}", self.name);
-        problems.finite(&key("point"), &self.point);
-        problems.finite(&key("normal"), &self.normal);
+        let key = |name| format!("{key} `{}`: {name}", self.name.escape_debug());
+        problems.finite(&key("point"), &self.point, "m");
+        problems.finite(&key("normal"), &self.normal, "1");
         if Vector3::from(self.normal).norm() == 0.0 {
             problems.add(
                 &key("normal"),
                 "is zero, must point from the wall to the robot",
             );
         }
-        problems.positive(&key("stiffness"), self.stiffness, false);
-        problems.not_negative(&key("damping"), self.damping);
-        problems.not_negative(&key("friction"), self.friction);
-        problems.not_negative(&key("viscous"), self.viscous);
+        problems.positive(&key("stiffness"), self.stiffness, "N/m");
+        problems.not_negative(&key("damping"), self.damping, "N·s/m");
+        problems.not_negative(&key("friction"), self.friction, "1");
+        problems.not_negative(&key("viscous"), self.viscous, "N·s/m");
         let (k_t, c_t) = (self.tangential_stiffness(), self.tangential_damping());
-        problems.positive(&key("tangential_stiffness"), k_t, false);
-        problems.positive(&key("tangential_damping"), c_t, false);
+        problems.positive(&key("tangential_stiffness"), k_t, "N/m");
+        problems.positive(&key("tangential_damping"), c_t, "N·s/m");
         if k_t * step > c_t {
             let what = format!(
                 "is {c_t}, must be at least tangential_stiffness × step = {}",
@@ -275,9 +278,9 @@ impl WallConfig {
 
 impl Disturbance {
     pub(super) fn check(&self, key: &str, problems: &mut Problems) {
-        problems.finite(&format!("{key}.force"), &self.force);
-        problems.finite(&format!("{key}.moment"), &self.moment);
-        problems.number(&format!("{key}.from"), self.from);
+        problems.finite(&format!("{key}.force"), &self.force, "N");
+        problems.finite(&format!("{key}.moment"), &self.moment, "N·m");
+        problems.number(&format!("{key}.from"), self.from, "s");
         if self.until.is_nan() || self.until < self.from {
             let what = format!("is {}, must not be before from = {}", self.until, self.from);
             problems.add(&format!("{key}.until"), &what);
@@ -287,6 +290,8 @@ impl Disturbance {
                 self.from
             );
             problems.add(&format!("{key}.until"), &what);
+        } else if self.until.is_finite() {
+            problems.number(&format!("{key}.until"), self.until, "s");
         }
     }
 }
@@ -307,6 +312,12 @@ impl PlantConfig {
     /// # Errors
     /// [`PlantError::Config`] with every problem, each naming its key.
     pub fn validate(&self) -> Result<(), PlantError> {
+        let problems = self.check();
+        problems.into_result(|problems| PlantError::Config { problems })
+    }
+
+    /// What is to be said of its numbers.
+    pub(crate) fn check(&self) -> Problems {
         let mut problems = Problems::default();
         let step = self.step;
         if step.is_nan() || step <= 0.0 || step > LARGEST_STEP {
@@ -338,32 +349,45 @@ impl PlantConfig {
         } = self.mismatch;
         let mut factor = |key: &str, value: f64| {
             let key = format!("mismatch.{key}");
-            problems.positive(&key, value, false);
+            problems.positive(&key, value, "1");
             check_factor(&key, value, &mut problems);
         };
         factor("mass_scale", mass_scale);
         factor("inertia_scale", inertia_scale);
         factor("rotor_lag_scale", rotor_lag_scale);
         factor("thrust_scale", thrust_scale);
-        problems.finite("mismatch.com_shift", &com_shift);
+        for (key, value) in [("mass_scale", mass_scale), ("inertia_scale", inertia_scale)] {
+            if value > 0.0 && value < SMALLEST_FACTOR {
+                let what = format!(
+                    "is {value:e}, must be at least {SMALLEST_FACTOR}: it is a factor, 0.95 for 5 % less"
+                );
+                problems.add(&format!("mismatch.{key}"), &what);
+            }
+        }
+        problems.finite("mismatch.com_shift", &com_shift, "m");
         for (i, &scale) in rotor_scales.iter().enumerate() {
             let key = format!("mismatch.rotor_scales[{i}]");
-            problems.not_negative(&key, scale);
+            problems.not_negative(&key, scale, "1");
             check_factor(&key, scale, &mut problems);
         }
-        problems.positive("mismatch.thrust_max", thrust_max, true);
+        problems.limit("mismatch.thrust_max", thrust_max, "N");
         let ServoConfig {
             time_constant,
             acceleration_limit,
         } = self.servo;
-        problems.positive("servo.time_constant", time_constant, false);
+        problems.positive("servo.time_constant", time_constant, "s");
         if time_constant < 2.0 * step {
             let what = format!("is {time_constant}, must be at least two steps of {step} s");
             problems.add("servo.time_constant", &what);
         }
-        problems.positive("servo.acceleration_limit", acceleration_limit, true);
-        problems.positive("friction_speed", self.friction_speed, false);
+        problems.limit(
+            "servo.acceleration_limit",
+            acceleration_limit,
+            "rad/s² or m/s²",
+        );
+        problems.positive("friction_speed", self.friction_speed, "rad/s or m/s");
         for (i, wall) in self.walls.iter().enumerate() {
+            problems.name(&format!("wall[{i}].name"), &wall.name);
             wall.check(&format!("wall[{i}]"), step, &mut problems);
             if self.walls.iter().take(i).any(|w| w.name == wall.name) {
                 let what = format!("`{}` is used twice", wall.name);
@@ -372,7 +396,8 @@ impl PlantConfig {
         }
         let mut points = HashSet::new();
         for (i, point) in self.contact_points.iter().enumerate() {
-            problems.finite(&format!("contact_point[{i}].offset"), &point.offset);
+            let key = format!("contact_point[{i}].offset");
+            problems.finite(&key, &point.offset, "m");
             if !points.insert((&point.frame, point.offset.map(f64::to_bits))) {
                 let what = format!(
                     "is the frame `{}` of a point at the same place: it would push twice",
@@ -382,8 +407,10 @@ impl PlantConfig {
             }
         }
         for (i, disturbance) in self.disturbances.iter().enumerate() {
-            disturbance.check(&format!("disturbance[{i}]"), &mut problems);
+            let key = format!("disturbance[{i}]");
+            problems.name(&format!("{key}.name"), &disturbance.name);
+            disturbance.check(&key, &mut problems);
         }
-        problems.into_result(|problems| PlantError::Config { problems })
+        problems
     }
 }

@@ -21,7 +21,8 @@ use wbqp::{
 
 use super::{Event, ScenarioError, Variation, contents::Contents, file::CaseFile, groups::Robots};
 use crate::{
-    Plant, PlantConfig, PlantError, Sensors, SensorsConfig, World, sensors::ForceTorqueConfig,
+    Plant, PlantConfig, PlantError, Sensors, SensorsConfig, World, check::Problems,
+    sensors::ForceTorqueConfig,
 };
 
 /// One case of a [`Scenario`](super::Scenario).
@@ -204,30 +205,34 @@ impl Case {
             .map_err(|e| self.plant_error("sensors", e))
     }
 
+    /// What is to be said of the numbers of `[initial]`.
+    pub(super) fn initial_numbers(&self) -> Problems {
+        let Initial {
+            position,
+            rpy,
+            joints,
+        } = &self.contents.initial;
+        let mut problems = Problems::default();
+        if let Some(position) = position {
+            problems.finite("initial.position", position, "m");
+        }
+        problems.finite("initial.rpy", rpy, "rad");
+        for (name, position) in joints {
+            problems.number(&format!("initial.joints.{name}"), *position, "rad or m");
+        }
+        problems
+    }
+
     pub(super) fn initial_state(&self, robot: &RobotModel) -> Result<State, ScenarioError> {
         let Initial {
             position,
             rpy,
             joints,
         } = &self.contents.initial;
-        let numbers = [
-            (
-                "position",
-                position.as_ref().map_or(&[][..], <[f64; 3]>::as_slice),
-            ),
-            ("rpy", rpy.as_slice()),
-        ];
-        let joints_numbers = joints.iter().map(|(name, q)| {
-            let key = format!("joints.{name}");
-            (key, std::slice::from_ref(q))
-        });
-        let numbers = numbers.map(|(key, numbers)| (key.to_owned(), numbers));
-        for (key, numbers) in numbers.into_iter().chain(joints_numbers) {
-            if !numbers.iter().all(|x| x.is_finite()) {
-                let what = format!("initial.{key}: has a number that is not finite");
-                return Err(self.refuse(&what));
-            }
-        }
+        self.initial_numbers().into_result(|problems| {
+            let first = problems.first().map_or("", String::as_str);
+            self.refuse(first)
+        })?;
         if let Some(angle) = rpy.iter().find(|angle| angle.abs() > TAU) {
             return Err(self.refuse(&format!(
                 "initial.rpy: has {angle}, more than a turn: angles are in rad, 90° are 1.5708"

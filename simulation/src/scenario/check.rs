@@ -2,6 +2,8 @@
 
 use std::{collections::HashSet, sync::Arc};
 
+use wbqp::config::plausible;
+
 use super::{
     Case, Event, ScenarioError,
     contradiction::contradiction,
@@ -9,6 +11,7 @@ use super::{
     push::Asked,
     text::Text,
 };
+use crate::check::CONTROL;
 
 /// Control periods of a run, at most: at 250 Hz more than four days of simulated time.
 const MOST_TICKS: f64 = 1e8;
@@ -103,6 +106,12 @@ impl Case {
             let Some(mark) = &event.mark else {
                 continue;
             };
+            if mark.contains(char::is_control) {
+                return Err(ScenarioError::Value {
+                    place: text.place(span.start),
+                    what: format!("event at {} s: mark: {CONTROL}", event.at),
+                });
+            }
             let mut names = ["_start", "_end"]
                 .iter()
                 .filter_map(|end| mark.strip_suffix(end));
@@ -134,6 +143,16 @@ impl Case {
                 what: format!("detector: {what}"),
             };
             detector.validate().map_err(|e| refuse(e.to_string()))?;
+            for (key, value, unit) in [
+                ("on", detector.on, "N"),
+                ("off", detector.off, "N"),
+                ("dwell", detector.dwell, "s"),
+            ] {
+                let odd = plausible::check(key, value, unit).err();
+                if let Some(what) = odd {
+                    return Err(refuse(format!("`{key}` {what}")));
+                }
+            }
             if !detected.insert(&detector.contact) {
                 let what = format!("contact `{}` has a detector already", detector.contact);
                 return Err(refuse(what));
@@ -179,6 +198,7 @@ impl Case {
             }
             // The check applies every event to a controller that never runs.
             event.apply(&mut controller).map_err(&refuse)?;
+            event.check_numbers(&controller).map_err(&refuse)?;
             for contact in common
                 .contacts
                 .iter()

@@ -5,15 +5,10 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use wbqp::{
-    config::in_words,
+    config::{check_reference, in_words, plausible::WEIGHTS},
     controller::{Controller, RequestError},
     plugin::{AnyReference, PerRow},
 };
-
-/// Weights beyond these, and zero, are refused as in a controller's file.
-const WEIGHTS: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
-/// No robot's reference has such a number: larger than anything that is taken with a warning in a controller's file.
-const LARGEST_VALUE: f64 = 1e14;
 
 /// What is done to something of a controller that has a name.
 type Act = fn(&mut Controller, &str) -> Result<(), RequestError>;
@@ -83,7 +78,6 @@ impl Event {
         for (name, weight) in &self.weight {
             let done = controller.reweight(name, weight.clone());
             done.map_err(|e| format!("weight.{name}: {}", without_name(e)))?;
-            check_weight(name, weight)?;
         }
         for (task, value) in &self.follow {
             if !value.is_table() {
@@ -94,12 +88,37 @@ impl Event {
             }
             let reference = <Box<dyn AnyReference>>::deserialize(value.clone())
                 .map_err(|e| format!("follow.{task}: {}", in_words(e.message())))?;
-            let values = check_values(task, &*reference);
             let done = controller.follow(task, reference);
             done.map_err(|e| format!("follow.{task}: {}", without_name(e)))?;
-            values?;
         }
         Ok(())
+    }
+
+    /// Looks at its weights and references as a controller's file would be looked at. Gives back what can hardly be
+    /// meant.
+    ///
+    /// # Errors
+    /// What cannot be meant, in words, behind the key.
+    pub(super) fn check_numbers(&self, controller: &Controller) -> Result<Vec<String>, String> {
+        for (name, weight) in &self.weight {
+            let mut values = weight.values().iter();
+            if let Some(weight) = values.find(|w| **w != 0.0 && !WEIGHTS.contains(*w)) {
+                let [least, most] = [WEIGHTS.start(), WEIGHTS.end()];
+                return Err(format!(
+                    "weight.{name}: is {weight:e}, must be 0 or between {least:e} and {most:e}"
+                ));
+            }
+        }
+        let mut warnings = Vec::new();
+        let layouts = controller.task_names().zip(controller.task_layouts());
+        for (name, layout) in layouts {
+            if let Some(reference) = self.follow.get(name).and_then(toml::Value::as_table) {
+                let own = check_reference(reference, layout.unit_of_error())
+                    .map_err(|what| format!("follow.{name}.{what}"))?;
+                warnings.extend(own.iter().map(|what| format!("follow.{name}.{what}")));
+            }
+        }
+        Ok(warnings)
     }
 
     /// Whether nothing happens, and nothing is told, at its time.
@@ -133,26 +152,4 @@ fn without_name(error: RequestError) -> String {
         RequestError::Value { source, .. } => source.to_string(),
         other => other.to_string(),
     }
-}
-
-fn check_weight(name: &str, weight: &PerRow) -> Result<(), String> {
-    let mut values = weight.values().iter();
-    let odd = values.find(|w| **w != 0.0 && !WEIGHTS.contains(*w));
-    let [least, most] = [WEIGHTS.start(), WEIGHTS.end()];
-    odd.map_or(Ok(()), |w| {
-        Err(format!(
-            "weight.{name}: is {w:e}, must be 0 or between {least:e} and {most:e}"
-        ))
-    })
-}
-
-fn check_values(task: &str, reference: &dyn AnyReference) -> Result<(), String> {
-    for (key, values) in reference.named_values() {
-        if let Some(odd) = values.iter().find(|x| x.abs() > LARGEST_VALUE) {
-            return Err(format!(
-                "follow.{task}.{key}: has {odd:e}: check the digits"
-            ));
-        }
-    }
-    Ok(())
 }

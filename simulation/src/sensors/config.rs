@@ -107,20 +107,30 @@ impl SensorsConfig {
     /// # Errors
     /// [`PlantError::Config`] with every problem, each naming its key.
     pub fn validate(&self) -> Result<(), PlantError> {
+        let problems = self.check();
+        problems.into_result(|problems| PlantError::Config { problems })
+    }
+
+    /// What is to be said of its numbers.
+    pub(crate) fn check(&self) -> Problems {
         let mut problems = Problems::default();
-        problems.not_negative("base.position_sd", self.base.position_sd);
-        problems.not_negative("base.rotation_sd", self.base.rotation_sd);
-        problems.not_negative("base.linear_sd", self.base.linear_sd);
-        problems.not_negative("base.angular_sd", self.base.angular_sd);
-        problems.not_negative("joints.position_sd", self.joints.position_sd);
-        problems.not_negative("joints.velocity_sd", self.joints.velocity_sd);
+        problems.not_negative("base.position_sd", self.base.position_sd, "m");
+        problems.not_negative("base.rotation_sd", self.base.rotation_sd, "rad");
+        problems.not_negative("base.linear_sd", self.base.linear_sd, "m/s");
+        problems.not_negative("base.angular_sd", self.base.angular_sd, "rad/s");
+        problems.not_negative("joints.position_sd", self.joints.position_sd, "rad or m");
+        problems.not_negative(
+            "joints.velocity_sd",
+            self.joints.velocity_sd,
+            "rad/s or m/s",
+        );
         let cutoffs = [
             ("base.velocity_cutoff", self.base.velocity_cutoff),
             ("joints.velocity_cutoff", self.joints.velocity_cutoff),
         ];
         for (key, cutoff) in cutoffs {
             if let Some(cutoff) = cutoff {
-                problems.positive(key, cutoff, true);
+                problems.limit(key, cutoff, "Hz");
             }
         }
         let mut frames = HashSet::new();
@@ -133,13 +143,13 @@ impl SensorsConfig {
                 );
                 problems.add(&key("frame"), &what);
             }
-            problems.finite(&key("force_bias"), &sensor.force_bias);
-            problems.finite(&key("moment_bias"), &sensor.moment_bias);
-            problems.not_negative(&key("force_sd"), sensor.force_sd);
-            problems.not_negative(&key("moment_sd"), sensor.moment_sd);
-            problems.positive(&key("cutoff"), sensor.cutoff, true);
+            problems.finite(&key("force_bias"), &sensor.force_bias, "N");
+            problems.finite(&key("moment_bias"), &sensor.moment_bias, "N·m");
+            problems.not_negative(&key("force_sd"), sensor.force_sd, "N");
+            problems.not_negative(&key("moment_sd"), sensor.moment_sd, "N·m");
+            problems.limit(&key("cutoff"), sensor.cutoff, "Hz");
         }
         OutageConfig::validate(&self.outages, &mut problems);
-        problems.into_result(|problems| PlantError::Config { problems })
+        problems
     }
 }

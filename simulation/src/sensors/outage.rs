@@ -62,10 +62,12 @@ impl OutageConfig {
     pub(super) fn validate(all: &[Self], problems: &mut Problems) {
         for (i, outage) in all.iter().enumerate() {
             let Self { from, until, .. } = outage;
-            problems.not_negative(&format!("outage[{i}].from"), *from);
+            problems.not_negative(&format!("outage[{i}].from"), *from, "s");
             if until.is_nan() || until <= from {
                 let what = format!("is {until}, must be after from = {from}");
                 problems.add(&format!("outage[{i}].until"), &what);
+            } else if until.is_finite() {
+                problems.number(&format!("outage[{i}].until"), *until, "s");
             }
         }
         let mut of_sensor: Vec<(usize, &Self)> = all.iter().enumerate().collect();

@@ -85,6 +85,20 @@ fn what_its_unit_allows_and_its_key_hardly_does_is_said() {
     assert!(large.iter().any(|one| one.contains(said)), "{large:#?}");
 }
 
+/// Of one part in 10²⁰ nothing is left in 64 bits.
+#[test]
+fn a_regularisation_below_rounding_is_said() {
+    let of = |value: &str| {
+        let line = format!("rate = 500.0\nregularisation = {value}");
+        load(&with("rate = 500.0", &line)).expect("is taken")
+    };
+    assert_eq!(of("1e-12"), Vec::<String>::new());
+    let told = of("1e-20");
+    assert_eq!(told.len(), 1, "{told:?}");
+    let said = "x.toml:3:18: warning: controller: regularisation is 1e-20 of the largest weight";
+    assert!(told[0].starts_with(said), "{told:?}");
+}
+
 #[test]
 fn what_cannot_be_meant_is_refused_at_its_place() {
     for (old, new, said) in [

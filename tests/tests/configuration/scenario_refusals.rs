@@ -315,17 +315,20 @@ fn initial_state() {
         (
             "arm_pitch1 = 0.3",
             "arm_pitch1 = nan",
-            "10:14: initial.joints.arm_pitch1",
+            "10:14: initial.joints.arm_pitch1: is NaN, must be finite",
         ),
-        ("rpy = [0.0", "rpy = [inf", "7:7: initial.rpy"),
+        (
+            "rpy = [0.0, 0.0, 0.0]",
+            "rpy = [inf, 0.0, 0.0]",
+            "7:7: initial.rpy: is [inf, 0.0, 0.0], must be finite",
+        ),
         (
             "position = [-0.5",
-            "position = [nan",
-            "6:12: initial.position",
+            "position = [1e90",
+            "6:13: initial.position[0]: is 1e90 m: no robot has more than 1e4; it counts in m",
         ),
     ] {
-        let expected = format!("s.toml:{place}: has a number that is not finite");
-        refused(piece, other, &expected);
+        refused(piece, other, &format!("s.toml:{place}"));
     }
     refused(
         "arm_pitch1 = 0.3",
@@ -393,6 +396,21 @@ fn plant() {
         "s.toml:25:9: plant.disturbance[0].force: is [NaN, 0.0, 0.0], must be finite",
     );
     refused(
+        "force = [-3.5",
+        "force = [1e90",
+        "s.toml:25:10: plant.disturbance[0].force[0]: is 1e90 N: no robot has more than 1e8; it counts in N",
+    );
+    refused(
+        "force = [-3.5",
+        "name = \"a\\u001b\"\nforce = [-3.5",
+        "s.toml:25:8: plant.disturbance[0].name: has control characters, such as line breaks: leave them out",
+    );
+    refused(
+        "step = 0.00025",
+        "mismatch.mass_scale = 1e-9",
+        "s.toml:13:23: plant.mismatch.mass_scale: is 1e-9, must be at least 0.001: it is a factor, 0.95 for 5 % less",
+    );
+    refused(
         "until = 2.0",
         "until = 0.5",
         "s.toml:27:9: plant.disturbance[0].until: is 0.5, must not be before from = 1",
@@ -431,6 +449,39 @@ fn plant() {
     .expect_err("is not");
 }
 
+/// Whatever number of the file is one that nobody means: it is refused, or told.
+#[test]
+fn no_number_is_taken_silently_whatever_its_size() {
+    let is_digit = |c: char| c.is_ascii_digit();
+    let mut tried = 0;
+    let mut start = 0;
+    while let Some(at) = GOOD[start..].find(is_digit).map(|at| start + at) {
+        let of_number = |c: char| c.is_ascii_digit() || ".e-".contains(c);
+        let end = GOOD[at..]
+            .find(|c| !of_number(c))
+            .map_or(GOOD.len(), |end| at + end);
+        start = end;
+        let before = GOOD[..at].trim_end_matches('-');
+        if !before.ends_with(['[', ' ']) {
+            // Of a name.
+            continue;
+        }
+        tried += 1;
+        let text = format!("{before}1e99{}", &GOOD[end..]);
+        let Ok(scenario) = Scenario::from_text(&text, "s.toml", &scenarios()) else {
+            continue;
+        };
+        let case = scenario.case("one").expect("is there");
+        let config = case.controller_config().expect("is sound");
+        let warnings = case.warnings(&case.make_controller(config).expect("fits"));
+        assert!(
+            warnings.iter().any(|warning| warning.contains("1e99")),
+            "{text}\n{warnings:?}"
+        );
+    }
+    assert!(tried > 25, "{tried}");
+}
+
 #[test]
 fn sensors() {
     refused(
@@ -465,6 +516,11 @@ fn detectors() {
         "\non = 1.0",
         "\non = 0.1",
         "s.toml:36:1: detector: `on` is 0.1 N, must be above off = 0.3 N",
+    );
+    refused(
+        "\non = 1.0",
+        "\non = 1e300",
+        "s.toml:36:1: detector: `on` is 1e300 N: no robot has more than 1e8; it counts in N",
     );
     refused(
         "\non = 1.0",
@@ -595,8 +651,14 @@ fn events() {
     event(
         "to = [-0.1, 0.0, 1.258]",
         "to = [-0.1, 1e308, 1.258]",
-        "42:50",
-        "follow.base_position.to: has 1e308: check the digits",
+        "42:57",
+        "follow.base_position.to[1]: is 1e308 m: no robot has more than 1e4; it counts in m",
+    );
+    event(
+        "duration = 6.0",
+        "duration = 1e-300",
+        "42:81",
+        "follow.base_position.duration: is 1e-300 s: shorter than any period; it counts in seconds",
     );
     for (value, given) in [
         ("[1e-3, 3.0]", "[0.001, 3.0]"),

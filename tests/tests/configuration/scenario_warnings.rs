@@ -72,6 +72,29 @@ fn a_contact_needs_a_wall_a_point_and_a_surface_like_it() {
     );
 }
 
+/// What a file may say, and hardly anybody means: numbers that no robot and no world has.
+#[test]
+fn numbers_that_no_world_has_are_told() {
+    let wall = format!("{WALL}friction = 50.0\n");
+    let world = format!(
+        "{wall}{POINT}[sensors.base]\nposition_sd = 2e4\n[[plant.disturbance]]\nframe = \"tool\"\nforce = [0.0, 3e9, \
+         0.0]\n[[event]]\nat = 0.5\nfollow.base_position = {{ type = \"hold\", value = [0.0, 5e4, 1.0] }}\n\
+         weight.base_position = 1e30\n"
+    );
+    assert_eq!(
+        warnings(&world),
+        [
+            "plant.wall[0] `wall`: friction: is 50: no two materials have a Coulomb coefficient of more than 5; it is a \
+             ratio of forces, not in per cent",
+            "plant.disturbance[0].force[1]: is 3e9 N: no robot has more than 1e8; it counts in N",
+            "sensors.base.position_sd: is 2e4 m: no robot has more than 1e4; it counts in m",
+            "event at 0.5 s: follow.base_position.value[1] is 5e4 m: no robot has more than 1e4; it counts in m",
+            "event at 0.5 s: weight.base_position: is 1e30, and that of `base_position` is 1e0: where both are about \
+             the same motion, nothing of the smaller one is left in 64 bits; keep weights within 1e12 of one another",
+        ]
+    );
+}
+
 #[test]
 fn a_wall_in_other_units_is_far_away() {
     let millimetres = WALL.replace("point = [0.0", "point = [500.0");

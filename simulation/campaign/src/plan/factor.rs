@@ -7,6 +7,7 @@ use wbqp::suggestion::suggestion;
 use wbqp_sim::{ScenarioError, scenario::Case};
 
 use super::{
+    check_name,
     distribution::Distribution,
     file::{FactorKeys, Paths},
 };
@@ -41,6 +42,7 @@ impl Factor {
     pub(super) fn new(entry: &Spanned<FactorKeys>) -> Result<Self, String> {
         let keys = entry.get_ref();
         let name = &keys.name;
+        check_name("factor", name)?;
         let refuse = |what: String| Err(format!("factor `{name}`: {what}"));
         let given = [
             (Relation::Value, &keys.value),

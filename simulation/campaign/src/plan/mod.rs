@@ -302,6 +302,17 @@ impl Plan {
     }
 }
 
+/// A name is a column of a table and a word of a message: on one line.
+fn check_name(kind: &str, name: &str) -> Result<(), String> {
+    if name.contains(char::is_control) {
+        return Err(format!(
+            "{kind} `{}`: its name has control characters, such as line breaks: leave them out",
+            name.escape_debug()
+        ));
+    }
+    Ok(())
+}
+
 /// Refuses a value at a place of the file.
 type Refuse<'a> = dyn Fn(Range<usize>, String) -> PlanError + 'a;
 
@@ -314,6 +325,7 @@ fn measures(
     for entry in &keys.measures {
         let refuse = |what: String| refuse(entry.span(), what);
         let measure = Measure::new(entry).map_err(&refuse)?;
+        check_name("measure", measure.name()).map_err(&refuse)?;
         if measures.iter().any(|other| other.name() == measure.name()) {
             let what = format!("the name `{}` is used twice", measure.name());
             return Err(refuse(what));

@@ -5,7 +5,7 @@ use std::ops::Range;
 use wbqp_sim::{Scenario, ScenarioError, Variation};
 
 use super::{
-    PlanError, Refuse,
+    PlanError, Refuse, check_name,
     file::{Keys, variation},
 };
 
@@ -36,6 +36,7 @@ impl Variant {
         let mut variants: Vec<Self> = Vec::new();
         for entry in &keys.variants {
             let keys = entry.get_ref();
+            check_name("variant", &keys.name).map_err(|what| refuse(entry.span(), what))?;
             let at = |span: Range<usize>, what: String| {
                 refuse(span, format!("variant `{}`: {what}", keys.name))
             };

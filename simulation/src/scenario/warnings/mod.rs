@@ -2,6 +2,7 @@
 
 mod contacts;
 mod events;
+mod numbers;
 
 use wbqp::{contact::ContactSpec, controller::Controller};
 
@@ -12,8 +13,8 @@ use crate::{Plant, plant::WallConfig};
 const FAR: f64 = 100.0;
 
 impl Case {
-    /// What is taken and can hardly be meant, in words, a line each: contacts that nothing of the plant can be, walls
-    /// that are nowhere near, references that nobody follows. `controller` is the case's, as it was made.
+    /// What is taken and can hardly be meant, in words, a line each: numbers that no robot has, contacts that nothing
+    /// of the plant can be, walls that are nowhere near, references that nobody follows. `controller` is the case's, as it was made.
     pub fn warnings(&self, controller: &Controller) -> Vec<String> {
         let ids = controller.contact_names();
         let ids = ids.filter_map(|name| controller.contact(name).ok());
@@ -24,10 +25,11 @@ impl Case {
         let Ok(plant) = self.make_plant(controller.robot()) else {
             return Vec::new();
         };
-        let mut warnings: Vec<String> = used
-            .iter()
-            .filter_map(|contact| self.misfit(contact, &plant))
-            .collect();
+        let mut warnings = self.odd_numbers(controller);
+        warnings.extend(
+            used.iter()
+                .filter_map(|contact| self.misfit(contact, &plant)),
+        );
         warnings.extend(far(&plant, &self.plant().walls));
         warnings.extend(self.unfollowed(controller));
         warnings.extend(self.unfinished());
