@@ -24,9 +24,6 @@ const SHORTEST_WINDOW: f64 = 1e-6;
 /// Largest factor of a mismatch: beyond it, it was meant as something else.
 const LARGEST_FACTOR: f64 = 20.0;
 
-/// Smallest factor on masses and inertias: with less nothing is left of a robot.
-const SMALLEST_FACTOR: f64 = 1e-3;
-
 /// Name of a disturbance that is given none.
 pub const DISTURBANCE: &str = "disturbance";
 
@@ -356,14 +353,6 @@ impl PlantConfig {
         factor("inertia_scale", inertia_scale);
         factor("rotor_lag_scale", rotor_lag_scale);
         factor("thrust_scale", thrust_scale);
-        for (key, value) in [("mass_scale", mass_scale), ("inertia_scale", inertia_scale)] {
-            if value > 0.0 && value < SMALLEST_FACTOR {
-                let what = format!(
-                    "is {value:e}, must be at least {SMALLEST_FACTOR}: it is a factor, 0.95 for 5 % less"
-                );
-                problems.add(&format!("mismatch.{key}"), &what);
-            }
-        }
         problems.finite("mismatch.com_shift", &com_shift, "m");
         for (i, &scale) in rotor_scales.iter().enumerate() {
             let key = format!("mismatch.rotor_scales[{i}]");

@@ -406,11 +406,6 @@ fn plant() {
         "s.toml:25:8: plant.disturbance[0].name: has control characters, such as line breaks: leave them out",
     );
     refused(
-        "step = 0.00025",
-        "mismatch.mass_scale = 1e-9",
-        "s.toml:13:23: plant.mismatch.mass_scale: is 1e-9, must be at least 0.001: it is a factor, 0.95 for 5 % less",
-    );
-    refused(
         "until = 2.0",
         "until = 0.5",
         "s.toml:27:9: plant.disturbance[0].until: is 0.5, must not be before from = 1",

@@ -84,8 +84,8 @@ fn numbers_that_no_world_has_are_told() {
     assert_eq!(
         warnings(&world),
         [
-            "plant.wall[0] `wall`: friction: is 50: no two materials have a Coulomb coefficient of more than 5; it is a \
-             ratio of forces, not in per cent",
+            "plant.wall[0] `wall`: friction: is 50: no two materials have a Coulomb coefficient of more than 5; it is \
+             a ratio of forces, not in per cent",
             "plant.disturbance[0].force[1]: is 3e9 N: no robot has more than 1e8; it counts in N",
             "sensors.base.position_sd: is 2e4 m: no robot has more than 1e4; it counts in m",
             "event at 0.5 s: follow.base_position.value[1] is 5e4 m: no robot has more than 1e4; it counts in m",

@@ -98,5 +98,29 @@ fn the_smallest_cases_are_answered_rightly() {
             );
         }
     }
-    assert_eq!(count, 39);
+    assert_eq!(count, 42);
+}
+
+/// The multiplier of a bound beside another that is the rounding of zero, which says nothing about the variable's unit.
+#[test]
+fn a_bound_has_its_price_beside_a_rounded_one() {
+    let text = include_str!("../cases/price_of_a_rounded_bound.json");
+    let (_, status, solution) = answer(&serde_json::from_str(text).expect("is JSON"));
+    assert_eq!(status, Status::Optimal);
+    assert!((solution.z[0] + 1.0).abs() < 1e-9, "{:?}", solution.z);
+}
+
+/// A vertex of a flow through a network at which more bounds meet than there are variables: what depends on the others
+/// up to rounding changes places with them for ever.
+#[test]
+fn constraints_that_change_places_are_given_up_soon() {
+    let case = serde_json::json!({
+        "n": 5, "m": 2, "H": vec![0.0; 25], "g": [0.0, -3.0, 0.0, 2.0, 1.0],
+        "A": [-1.0, -1.0, 0.0, 1.0, 0.0, 1.0, 1.0, -1.0, 0.0, 1.0],
+        "row_lower": [-3.0, 5.0], "row_upper": [-3.0, "inf"],
+        "lower": [0.0, "-inf", 0.0, 0.0, "-inf"], "upper": [3.0, 3.0, 1.0, 2.0, "inf"],
+    });
+    let (_, status, solution) = answer(&case);
+    assert_eq!(status, Status::Optimal);
+    assert!(solution.iterations < 80, "{}", solution.iterations);
 }

@@ -14,7 +14,8 @@ const FAR: f64 = 100.0;
 
 impl Case {
     /// What is taken and can hardly be meant, in words, a line each: numbers that no robot has, contacts that nothing
-    /// of the plant can be, walls that are nowhere near, references that nobody follows. `controller` is the case's, as it was made.
+    /// of the plant can be, walls that are nowhere near, references that nobody follows. `controller` is the case's,
+    /// as it was made.
     pub fn warnings(&self, controller: &Controller) -> Vec<String> {
         let ids = controller.contact_names();
         let ids = ids.filter_map(|name| controller.contact(name).ok());

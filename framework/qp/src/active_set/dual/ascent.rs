@@ -4,7 +4,7 @@ use std::array::from_fn;
 
 use super::{
     super::{
-        constraint::{Active, is_empty, limits},
+        constraint::{Active, count, is_empty, limits},
         kernels::LANES,
         limits::Limits,
         working_set::WorkingSet,
@@ -37,8 +37,9 @@ const OFF: f64 = 1e-7;
 const LOST: f64 = 1e-5;
 /// A part of a combination of normals, all of unit length in the metric of H, below this of the largest is rounding.
 const ROUNDED_RATE: f64 = 1e-11;
-/// Iterations with every point refined, after which they must be going in circles.
-const REFINED_ROUNDS: u32 = 100;
+/// Iterations with every point refined, after which they must be going in circles: besides two for each constraint, and
+/// at most.
+const REFINED_ROUNDS: (usize, usize) = (10, 100);
 
 impl Dual {
     /// The dual iteration.
@@ -149,7 +150,8 @@ impl Dual {
         out: &mut Solution,
     ) -> End {
         let tolerance = limits.tolerance.max(forgiven);
-        for _ in 0..REFINED_ROUNDS {
+        let (least, most) = REFINED_ROUNDS;
+        for _ in 0..most.min(2 * count(qp) + least) {
             if limits.are_used_up(self.iterations) {
                 return End::Budget;
             }

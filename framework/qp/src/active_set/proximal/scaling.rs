@@ -21,6 +21,9 @@ const NEGLIGIBLE: f64 = 1e-9;
 /// What curvature adds to a slope within the range may be this part of it, and is no cost to speak of.
 const STRAIGHT: f64 = 1e-12;
 
+/// A cost that is a smaller part of the largest one, in the unit of its variable's bounds.
+const FAINT: f64 = 1e-6;
+
 /// Exponents of two.
 #[derive(Clone, Debug)]
 pub(super) struct Scaling {
@@ -59,12 +62,22 @@ fn without_endless(lower: f64, upper: f64) -> [f64; 2] {
     [lower, upper]
 }
 
-/// Whether a variable has neither curvature nor limits nor a part in any row.
+/// Whether a row limits anything: the coefficients of others say nothing.
+fn has_limit(qp: &Qp, i: usize) -> bool {
+    let limits = without_endless(qp.row_lower()[i], qp.row_upper()[i]);
+    limits.iter().any(|limit| limit.is_finite())
+}
+
+/// Whether a variable has neither curvature nor a part in any row: it goes to a bound, or has none.
+fn is_separate(qp: &Qp, j: usize) -> bool {
+    let is_apart = |i| qp.row(i)[j] == 0.0 || !has_limit(qp, i);
+    qp.h()[j * qp.n() + j] == 0.0 && (0..qp.m()).all(is_apart)
+}
+
+/// Whether it has no bounds either.
 fn is_alone(qp: &Qp, j: usize) -> bool {
     let limits = without_endless(qp.lower()[j], qp.upper()[j]);
-    qp.h()[j * qp.n() + j] == 0.0
-        && limits.iter().all(|limit| limit.is_infinite())
-        && (0..qp.m()).all(|i| qp.row(i)[j] == 0.0)
+    limits.iter().all(|limit| limit.is_infinite()) && is_separate(qp, j)
 }
 
 /// The size of a fixed variable, of which nothing else is known if it is zero.
@@ -117,8 +130,8 @@ impl Scaling {
                 self.rows[i] = mean(entries.map(|(a, d)| a * d));
             }
             for j in (0..n).filter(|j| qp.h()[j * n + j] == 0.0) {
-                let entries = (0..m).map(|i| qp.row(i)[j] * self.rows[i]);
-                self.variables[j] = mean(entries);
+                let limited = (0..m).filter(|&i| has_limit(qp, i));
+                self.variables[j] = mean(limited.map(|i| qp.row(i)[j] * self.rows[i]));
             }
         }
         self.anchor(qp);
@@ -139,9 +152,23 @@ impl Scaling {
         } else {
             reciprocal(steepest)
         };
-        // What costs and nothing else has the unit in which its cost is one: whatever it is, it falls for ever.
-        for j in (0..n).filter(|&j| is_alone(qp, j)) {
-            self.variables[j] = reciprocal(self.cost * qp.g()[j].abs());
+        self.see_costs(qp);
+    }
+
+    /// What has a cost, and nothing else but bounds, has the unit in which its cost is one, if in that of its bounds
+    /// hardly anything is left of it: limits may be the rounding of zero. Without bounds it falls for ever, whatever
+    /// its cost is.
+    fn see_costs(&mut self, qp: &Qp) {
+        for j in (0..qp.n()).filter(|&j| is_separate(qp, j)) {
+            let (d, g) = (self.variables[j], self.cost * qp.g()[j].abs());
+            let (lower, upper) = (qp.lower()[j], qp.upper()[j]);
+            if is_alone(qp, j) {
+                self.variables[j] = reciprocal(g);
+            } else if g * d < FAINT && g > 0.0 && lower < upper {
+                let [lower, upper] = without_endless(lower, upper);
+                let most = 1.0 / reciprocal(range(lower, upper));
+                self.variables[j] = reciprocal(g).min(most).max(d);
+            }
         }
     }
 
@@ -153,7 +180,7 @@ impl Scaling {
         for (j, label) in self.labels[..n].iter_mut().enumerate() {
             *label = if qp.h()[j * n + j] == 0.0 { j } else { n };
         }
-        let is_in = |i: usize, j: usize| qp.row(i)[j] != 0.0;
+        let is_in = |i: usize, j: usize| qp.row(i)[j] != 0.0 && has_limit(qp, i);
         let label_of = |labels: &[usize], i: usize| {
             let connected = (0..n).filter(|&j| is_in(i, j)).map(|j| labels[j]);
             let is_anchored = connected.clone().any(|label| label == n);
