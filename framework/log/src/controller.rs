@@ -18,7 +18,7 @@ use crate::{
 };
 
 /// Writes a controller's inputs, commands and reports. Channels are opened once, buffers are used again. Numbers have 7
-/// significant digits, positions 9, references all, residuals 5, costs and times 4.
+/// significant digits, positions 9, references all, residuals 5, costs 4, times 3.
 ///
 /// | topic | contents |
 /// |---|---|

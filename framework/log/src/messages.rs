@@ -18,8 +18,11 @@ pub(super) const DIGITS: usize = 7;
 /// Of what is left over or estimated: residuals, the observer's wrench; of speeds that follow from thrusts.
 pub(super) const RESIDUAL_DIGITS: usize = 5;
 
-/// Of what is only compared: costs, multipliers and times.
+/// Of what is only compared: costs and multipliers.
 const COST_DIGITS: usize = 4;
+
+/// Of times: a clock tells no more, and what it says beyond is noise, which nothing makes smaller.
+const TIME_DIGITS: usize = 3;
 
 pub(super) fn observer_schema() -> Value {
     let fields = [
@@ -392,7 +395,7 @@ pub(super) fn qp_fields(report: &Report, o: &mut dyn Fields) {
             ("output", t.output),
             ("total", t.total()),
         ] {
-            o.rounded_number(stage, 1e6 * seconds, COST_DIGITS);
+            o.rounded_number(stage, 1e6 * seconds, TIME_DIGITS);
         }
     });
     o.list("active", &report.active, |o, active| {
