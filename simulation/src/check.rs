@@ -5,9 +5,6 @@ use wbqp::{config::plausible, model::Model, suggestion::suggestion};
 /// The smallest number that may have to be divided by.
 const SMALLEST: f64 = 1e-100;
 
-/// What a name with control characters is refused for.
-pub(crate) const CONTROL: &str = "has control characters, such as line breaks: leave them out";
-
 /// What is wrong, and what can hardly be meant, one line per key.
 #[derive(Debug, Default)]
 pub(crate) struct Problems {
@@ -23,8 +20,8 @@ impl Problems {
 
     /// A name that logs and messages can have on a line.
     pub(crate) fn name(&mut self, key: &str, name: &str) {
-        if name.contains(char::is_control) {
-            self.add(key, CONTROL);
+        if let Err(what) = plausible::check_name(name) {
+            self.add(key, what);
         }
     }
 

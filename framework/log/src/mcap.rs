@@ -33,7 +33,7 @@ pub struct McapLog<W: Write + Seek + Send = BufWriter<File>> {
 /// this, and what is in memory.
 const CHUNK: u64 = 500_000_000;
 
-/// Level of zstd: 12 makes a log 0.5 to 1 % smaller, and takes a fifth longer.
+/// Level of zstd: 12 makes chunks 0.4 % smaller, in a fifth more time; 9 makes them 0.8 % larger.
 const COMPRESSION: u32 = 10;
 
 struct Channel {

@@ -1,10 +1,14 @@
-//! Whether a number can be meant, by its unit and its name: bounds that no robot and no world come near to.
+//! Whether a number can be meant, by its unit and its name: bounds that no robot and no world come near to. And whether
+//! a name can stand on a line.
 //!
 //! | of | warning | refused |
 //! |---|---|---|
 //! | a time, s | above a month | below 1 ns unless zero, above a million years |
 //! | `friction`, the half length of a sole | above the limit in [`check`] | as everything of its unit |
+//! | `regularisation` | below 1e-14 | as everything of its unit |
 //! | anything else with a unit | above [`largest`] | a million times as much |
+
+use crate::one_line::CONTROL;
 
 /// Weights whose products with squares of anything else that is taken do not overflow, and do not vanish.
 pub const WEIGHTS: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
@@ -42,6 +46,18 @@ pub fn largest(unit: &str) -> Option<f64> {
         "N" | "N·m" | "N/s" | "N·s/m" | "N·m·s/rad" | "N/m" => 1e8,
         _ => return None,
     })
+}
+
+/// Looks at a name, which logs and messages have on a line.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn check_name(name: &str) -> Result<(), &'static str> {
+    if name.contains(char::is_control) {
+        Err(CONTROL)
+    } else {
+        Ok(())
+    }
 }
 
 /// Looks at the number of a key, in a unit such as `m/s`: of `m or rad`, whichever allows more. Infinite ones, and

@@ -2,7 +2,7 @@
 
 use std::{collections::HashSet, sync::Arc};
 
-use wbqp::config::plausible;
+use wbqp::{config::plausible, contact::Detector};
 
 use super::{
     Case, Event, ScenarioError,
@@ -11,7 +11,6 @@ use super::{
     push::Asked,
     text::Text,
 };
-use crate::check::CONTROL;
 
 /// Control periods of a run, at most: at 250 Hz more than four days of simulated time.
 const MOST_TICKS: f64 = 1e8;
@@ -106,12 +105,10 @@ impl Case {
             let Some(mark) = &event.mark else {
                 continue;
             };
-            if mark.contains(char::is_control) {
-                return Err(ScenarioError::Value {
-                    place: text.place(span.start),
-                    what: format!("event at {} s: mark: {CONTROL}", event.at),
-                });
-            }
+            plausible::check_name(mark).map_err(|what| ScenarioError::Value {
+                place: text.place(span.start),
+                what: format!("event at {} s: mark: {what}", event.at),
+            })?;
             let mut names = ["_start", "_end"]
                 .iter()
                 .filter_map(|end| mark.strip_suffix(end));
@@ -143,16 +140,7 @@ impl Case {
                 what: format!("detector: {what}"),
             };
             detector.validate().map_err(|e| refuse(e.to_string()))?;
-            for (key, value, unit) in [
-                ("on", detector.on, "N"),
-                ("off", detector.off, "N"),
-                ("dwell", detector.dwell, "s"),
-            ] {
-                let odd = plausible::check(key, value, unit).err();
-                if let Some(what) = odd {
-                    return Err(refuse(format!("`{key}` {what}")));
-                }
-            }
+            detector_numbers(detector).map_err(refuse)?;
             if !detected.insert(&detector.contact) {
                 let what = format!("contact `{}` has a detector already", detector.contact);
                 return Err(refuse(what));
@@ -233,6 +221,27 @@ impl Case {
         }
         self.asked(&mut controller, &events)
     }
+}
+
+/// What can hardly be meant of the numbers of a detector.
+///
+/// # Errors
+/// What cannot be.
+pub(super) fn detector_numbers(detector: &Detector) -> Result<Vec<String>, String> {
+    let mut warnings = Vec::new();
+    for (key, value, unit) in [
+        ("on", detector.on, "N"),
+        ("off", detector.off, "N"),
+        ("dwell", detector.dwell, "s"),
+    ] {
+        let named = |what| format!("`{key}` {what}");
+        warnings.extend(
+            plausible::check(key, value, unit)
+                .map_err(named)?
+                .map(named),
+        );
+    }
+    Ok(warnings)
 }
 
 fn no_force(contact: &str, frame: &str) -> String {

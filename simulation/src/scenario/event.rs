@@ -110,13 +110,16 @@ impl Event {
             }
         }
         let mut warnings = Vec::new();
-        let layouts = controller.task_names().zip(controller.task_layouts());
-        for (name, layout) in layouts {
-            if let Some(reference) = self.follow.get(name).and_then(toml::Value::as_table) {
-                let own = check_reference(reference, layout.unit_of_error())
-                    .map_err(|what| format!("follow.{name}.{what}"))?;
-                warnings.extend(own.iter().map(|what| format!("follow.{name}.{what}")));
-            }
+        for (name, reference) in &self.follow {
+            let mut layouts = controller.task_names().zip(controller.task_layouts());
+            let found = layouts.find(|(task, _)| task == name);
+            // Another task, or something else than a table, is refused where it is applied.
+            let Some(((_, layout), reference)) = found.zip(reference.as_table()) else {
+                continue;
+            };
+            let named = |what: String| format!("follow.{name}.{what}");
+            let own = check_reference(reference, layout.unit_of_error()).map_err(named)?;
+            warnings.extend(own.into_iter().map(named));
         }
         Ok(warnings)
     }

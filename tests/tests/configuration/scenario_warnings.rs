@@ -89,8 +89,9 @@ fn numbers_that_no_world_has_are_told() {
             "plant.disturbance[0].force[1]: is 3e9 N: no robot has more than 1e8; it counts in N",
             "sensors.base.position_sd: is 2e4 m: no robot has more than 1e4; it counts in m",
             "event at 0.5 s: follow.base_position.value[1] is 5e4 m: no robot has more than 1e4; it counts in m",
-            "event at 0.5 s: weight.base_position: is 1e30, and that of `base_position` is 1e0: where both are about \
-             the same motion, nothing of the smaller one is left in 64 bits; keep weights within 1e12 of one another",
+            "event at 0.5 s: weight.base_position: is 1e30, and that of `propeller_regularisation` is 1e-5: where \
+             both are about the same motion, nothing of the smaller one is left in 64 bits; keep weights within 1e12 \
+             of one another",
         ]
     );
 }

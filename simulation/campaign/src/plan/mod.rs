@@ -14,7 +14,7 @@ use std::{ops::Range, path::Path};
 
 use toml::Spanned;
 use wbqp::{
-    config::{in_words, json_schema::schema_of},
+    config::{in_words, json_schema::schema_of, plausible},
     input,
     robot::SourceFile,
     suggestion::suggestion,
@@ -304,13 +304,8 @@ impl Plan {
 
 /// A name is a column of a table and a word of a message: on one line.
 fn check_name(kind: &str, name: &str) -> Result<(), String> {
-    if name.contains(char::is_control) {
-        return Err(format!(
-            "{kind} `{}`: its name has control characters, such as line breaks: leave them out",
-            name.escape_debug()
-        ));
-    }
-    Ok(())
+    plausible::check_name(name)
+        .map_err(|what| format!("{kind} `{}`: its name {what}", name.escape_debug()))
 }
 
 /// Refuses a value at a place of the file.

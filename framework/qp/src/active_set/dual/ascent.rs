@@ -37,8 +37,8 @@ const OFF: f64 = 1e-7;
 const LOST: f64 = 1e-5;
 /// A part of a combination of normals, all of unit length in the metric of H, below this of the largest is rounding.
 const ROUNDED_RATE: f64 = 1e-11;
-/// Iterations with every point refined, after which they must be going in circles: besides two for each constraint, and
-/// at most.
+/// Iterations with every point refined, after which they must be going in circles: so many and two for each constraint,
+/// and at most the second number.
 const REFINED_ROUNDS: (usize, usize) = (10, 100);
 
 impl Dual {
@@ -150,8 +150,8 @@ impl Dual {
         out: &mut Solution,
     ) -> End {
         let tolerance = limits.tolerance.max(forgiven);
-        let (least, most) = REFINED_ROUNDS;
-        for _ in 0..most.min(2 * count(qp) + least) {
+        let (some, most) = REFINED_ROUNDS;
+        for _ in 0..most.min(2 * count(qp) + some) {
             if limits.are_used_up(self.iterations) {
                 return End::Budget;
             }
