@@ -166,7 +166,7 @@ impl Precise {
             }
         }
         // Each round begins with what the one before held.
-        for _ in 0..ROUNDS {
+        for round in 1..=ROUNDS {
             for ((out, g), c) in self.g.iter_mut().zip(g).zip(&self.centre) {
                 *out = Twofold::new(*g) - *c * rho;
             }
@@ -187,7 +187,9 @@ impl Precise {
             }
             let moved = self.x[..n].iter().zip(&self.centre);
             let moved = moved.fold(0.0, |a: f64, (x, c)| a.max((*x - *c).abs().rounded()));
-            if rho * moved <= SETTLED * largest(g).max(rho) {
+            let (left, cost) = (rho * moved, largest(g).max(rho));
+            let is_last = round == ROUNDS;
+            if left <= SETTLED * cost || is_last && left <= STATIONARY * cost {
                 self.write(scaled, out);
                 constraint::keep_bounds(scaled, out);
                 let is_solution = self.is_stationary((scaled, h, g), out)
