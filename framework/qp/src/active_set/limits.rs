@@ -83,6 +83,11 @@ impl<'a> Limits<'a> {
         self.attempt = self.configured.saturating_sub(iterations);
     }
 
+    /// It may take no more than until then, either.
+    pub(super) fn attempt_at_most(&mut self, iterations: u32) {
+        self.attempt = self.attempt.min(iterations);
+    }
+
     /// What the status is when they are. A cap below the configured one stands for a clock that ended a solve there.
     pub(super) fn status(&self, iterations: u32) -> Status {
         if self.has_attempt_ended {

@@ -40,12 +40,13 @@ impl Workspace {
         let Capacity { vars, rows } = capacity;
         // The dual method: factor, R, reflections (1.5 n²), rotations (two words each, 8 n² of them), normals;
         // the other: H twice, A, directions, M and its factor, the recession cone with its span; J and R in two words.
-        // What small problems have beside that.
+        // What moves and x changed by, of eight rounds. What small problems have beside that.
         let words = vars
             .saturating_mul(vars)
             .saturating_mul(35)
             .saturating_add(rows.saturating_mul(vars).saturating_mul(4))
-            .saturating_add(vars.saturating_add(rows).saturating_mul(78));
+            .saturating_add(vars.saturating_add(rows).saturating_mul(78))
+            .saturating_add(vars.saturating_mul(22));
         words
             .saturating_add(Compact::words(capacity))
             .saturating_mul(size_of::<f64>())

@@ -38,6 +38,19 @@ impl Proximal {
         self.solve_precisely(limits, out)
     }
 
+    /// Whether what came out with twice as many digits leaves open if the cost falls for ever.
+    pub(super) fn falls_perhaps(&mut self, status: Status, out: &Solution) -> bool {
+        match status {
+            Status::Optimal => {
+                let n = self.scaled.n();
+                self.x[..n].copy_from_slice(&out.x[..n]);
+                self.hides_cost()
+            }
+            Status::Stalled => self.precise.is_feasible(),
+            _ => false,
+        }
+    }
+
     pub(super) fn solve_precisely(
         &mut self,
         limits: &mut Limits<'_>,

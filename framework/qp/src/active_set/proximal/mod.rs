@@ -33,6 +33,8 @@ use scaling::Scaling;
 const WEIGHTS: [f64; 3] = [1e-6, 1e-4, 1e-2];
 /// Iterations, besides two for each variable and row, that are left to the method with twice as many digits.
 const RESERVE: u32 = 100;
+/// Iterations for each variable and row, and as many more, after which that method is tried: most problems take two.
+const SHARE: u32 = 8;
 /// Rounds with one weight.
 const ROUNDS: u32 = 200;
 /// Largest residual of the stationarity conditions at an optimum, per variable, relative to the sum of its terms'
@@ -187,6 +189,8 @@ impl Proximal {
         self.is_feasible = false;
         let size = u32::try_from(n + qp.m()).unwrap_or(u32::MAX);
         limits.attempt_all_but(size.saturating_mul(2).saturating_add(RESERVE));
+        let share = size.saturating_mul(SHARE).saturating_add(RESERVE);
+        limits.attempt_at_most(out.iterations.saturating_add(share));
         let mut status = Status::Stalled;
         for weight in WEIGHTS {
             status = self.iterate(weight, dual, limits, out);
@@ -202,7 +206,7 @@ impl Proximal {
         if status == Status::Stalled {
             status = self.solve_precisely(limits, out);
             // Where rounding made limits contradict one another, there is a feasible point only now.
-            if status == Status::Stalled && self.precise.is_feasible() {
+            if self.falls_perhaps(status, out) {
                 status = self.finds_ray(dual, limits, out).unwrap_or(status);
             }
         }

@@ -9,10 +9,11 @@
 //! go.
 //!
 //! Where H is not definite, `½ ρ ‖x − c‖²` is added, with so small a weight that few rounds lead to the solution (the
-//! proximal method has the sources).
+//! proximal method has the sources), and where many would, it is extrapolated (`extrapolation`).
 //!
 //! What comes out is rounded, and has to hold with the tolerances of every other solution; else the solve has stalled.
 
+mod extrapolation;
 mod factor;
 mod number;
 mod start;
@@ -24,6 +25,7 @@ use super::{
     proof::Proof,
 };
 use crate::{Qp, Solution, Status};
+use extrapolation::Extrapolation;
 use factor::Factor;
 pub(super) use number::Twofold;
 use number::dot_with;
@@ -77,12 +79,15 @@ pub(super) struct Precise {
     /// The linear term, with what is proximal.
     g: Vec<Twofold>,
     centre: Vec<Twofold>,
+    extrapolation: Extrapolation,
     active: Vec<Active>,
     multipliers: Vec<Twofold>,
     /// What another method held, with which the first ascent begins.
     start: Vec<Active>,
-    /// What the values of those held lack at the minimiser without constraints.
+    /// What the values of those held lack.
     excess: Vec<Twofold>,
+    /// What their multipliers change by with it.
+    corrections: Vec<Twofold>,
     widening: f64,
     /// Whether a point was found that violates nothing.
     is_feasible: bool,
@@ -103,10 +108,12 @@ impl Precise {
             x: vec![Twofold::ZERO; n],
             g: vec![Twofold::ZERO; n],
             centre: vec![Twofold::ZERO; n],
+            extrapolation: Extrapolation::new(n),
             active: Vec::with_capacity(n),
             multipliers: Vec::with_capacity(n),
             start: Vec::with_capacity(n),
             excess: vec![Twofold::ZERO; n],
+            corrections: vec![Twofold::ZERO; n],
             widening: 0.0,
             is_feasible: false,
             sizes: vec![0.0; n + rows],
@@ -155,6 +162,7 @@ impl Precise {
     ) -> Status {
         let n = scaled.n();
         self.centre[..n].fill(Twofold::ZERO);
+        self.extrapolation.reset();
         let mut rho = 0.0;
         self.active.clear();
         self.multipliers.clear();
@@ -171,6 +179,7 @@ impl Precise {
                 *out = Twofold::new(*g) - *c * rho;
             }
             self.factor.minimise(&self.g[..n], &mut self.x[..n]);
+            let before = out.iterations;
             match self.ascend(scaled, limits, &mut out.iterations) {
                 End::Optimal => self.is_feasible = true,
                 End::Budget => return limits.status(out.iterations),
@@ -188,19 +197,23 @@ impl Precise {
             let moved = self.x[..n].iter().zip(&self.centre);
             let moved = moved.fold(0.0, |a: f64, (x, c)| a.max((*x - *c).abs().rounded()));
             let (left, cost) = (rho * moved, largest(g).max(rho));
-            let is_last = round == ROUNDS;
-            if left <= SETTLED * cost || is_last && left <= STATIONARY * cost {
+            let accepted = if round == ROUNDS { STATIONARY } else { SETTLED };
+            if left <= accepted * cost {
                 self.write(scaled, out);
                 constraint::keep_bounds(scaled, out);
                 let is_solution = self.is_stationary((scaled, h, g), out)
                     && constraint::all_hold(scaled, &out.x[..n]);
-                return if is_solution {
-                    Status::Optimal
-                } else {
-                    Status::Stalled
-                };
+                if is_solution {
+                    return Status::Optimal;
+                }
+                // Else what the proximal term left may be much beside small terms.
+                if left <= ROUNDED_TERMS * cost {
+                    return Status::Stalled;
+                }
             }
-            self.centre[..n].copy_from_slice(&self.x[..n]);
+            let is_same_face = round > 1 && out.iterations == before;
+            self.extrapolation
+                .advance(&self.x[..n], &mut self.centre[..n], is_same_face);
         }
         Status::Stalled
     }
@@ -358,6 +371,7 @@ impl Precise {
                 self.factor.push();
                 self.active.push(constraint);
                 self.multipliers.push(multiplier);
+                self.refine(scaled);
                 return Ok(());
             }
             if let Some((_, j)) = first {

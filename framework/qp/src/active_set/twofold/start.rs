@@ -60,9 +60,7 @@ impl Precise {
     /// From the minimiser without constraints to that on those held, without the ones that it is not held by.
     pub(super) fn begin(&mut self, scaled: &Qp) {
         let n = scaled.n();
-        for (j, held) in self.active.iter().enumerate() {
-            self.excess[j] = Twofold::new(held.limit) - self.value(scaled, held.index);
-        }
+        self.look_for_excess(scaled);
         loop {
             let held = self.active.len();
             self.factor
@@ -77,6 +75,26 @@ impl Precise {
             self.settled[released.index] = false;
         }
         self.factor.approach(&mut self.x[..n]);
+        self.refine(scaled);
+    }
+
+    /// Once more towards the limits of those held: where only the proximal term bends the cost, x comes from so far away
+    /// that not many of its digits are left.
+    pub(super) fn refine(&mut self, scaled: &Qp) {
+        let (n, held) = (scaled.n(), self.active.len());
+        self.look_for_excess(scaled);
+        let corrections = &mut self.corrections[..held];
+        self.factor.balance(&self.excess[..held], corrections);
+        self.factor.approach(&mut self.x[..n]);
+        for (multiplier, correction) in self.multipliers.iter_mut().zip(corrections) {
+            *multiplier += *correction;
+        }
+    }
+
+    fn look_for_excess(&mut self, scaled: &Qp) {
+        for (j, held) in self.active.iter().enumerate() {
+            self.excess[j] = Twofold::new(held.limit) - self.value(scaled, held.index);
+        }
     }
 
     /// The constraint held whose multiplier has a wrong sign and is largest.
