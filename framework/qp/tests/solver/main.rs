@@ -7,5 +7,6 @@ mod known_answers;
 mod misuse;
 mod smallest_cases;
 mod soft;
+mod textbook;
 mod units;
 mod used_storage;

@@ -98,7 +98,7 @@ fn the_smallest_cases_are_answered_rightly() {
             );
         }
     }
-    assert_eq!(count, 42);
+    assert_eq!(count, 48);
 }
 
 /// The multiplier of a bound beside another that is the rounding of zero, which says nothing about the variable's unit.

@@ -14,7 +14,7 @@ use crate::{
 const LARGEST: i32 = 20;
 
 /// The problem in other units, and the units of the variables.
-fn in_other_units(qp: &Qp, rng: &mut ChaCha8Rng) -> (Qp, Vec<f64>) {
+pub(crate) fn in_other_units(qp: &Qp, rng: &mut ChaCha8Rng) -> (Qp, Vec<f64>) {
     let (n, m) = (qp.n(), qp.m());
     let mut unit = || 2f64.powi(rng.random_range(-LARGEST..=LARGEST));
     let d: Vec<f64> = (0..n).map(|_| unit()).collect();
