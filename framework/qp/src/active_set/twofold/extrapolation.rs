@@ -71,25 +71,27 @@ impl Extrapolation {
 
     /// Another iteration begins.
     pub(super) fn reset(&mut self) {
-        (self.kept, self.away) = (0, 0);
+        self.away = 0;
+        self.begin_face();
+    }
+
+    /// A round holds other constraints than the one before.
+    pub(super) fn begin_face(&mut self) {
+        self.kept = 0;
         (self.goes_away, self.follows) = (false, false);
     }
 
-    /// Moves the centre to where the next round begins, `is_same_face` being whether this one held what the one before
-    /// did.
-    pub(super) fn advance(&mut self, x: &[Twofold], centre: &mut [Twofold], is_same_face: bool) {
+    /// Moves the centre to where the next round begins.
+    pub(super) fn advance(&mut self, x: &[Twofold], centre: &mut [Twofold]) {
         let n = x.len();
-        if is_same_face && self.follows {
+        if self.follows {
             self.keep(x, centre);
-        } else {
-            self.kept = 0;
-            self.goes_away = false;
         }
         self.follows = true;
         if self.goes_away && self.away == AWAY {
             // Nothing ends that: the point where the move is zero is as good as any.
             centre.copy_from_slice(&self.top[..n]);
-            (self.kept, self.goes_away, self.follows) = (0, false, false);
+            self.begin_face();
             return;
         }
         self.away += u32::from(self.goes_away);

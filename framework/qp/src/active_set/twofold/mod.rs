@@ -211,9 +211,11 @@ impl Precise {
                     return Status::Stalled;
                 }
             }
-            let is_same_face = round > 1 && out.iterations == before;
+            if out.iterations > before {
+                self.extrapolation.begin_face();
+            }
             self.extrapolation
-                .advance(&self.x[..n], &mut self.centre[..n], is_same_face);
+                .advance(&self.x[..n], &mut self.centre[..n]);
         }
         Status::Stalled
     }
