@@ -78,8 +78,8 @@ impl Precise {
         self.refine(scaled);
     }
 
-    /// Once more towards the limits of those held: where only the proximal term bends the cost, x comes from so far away
-    /// that not many of its digits are left.
+    /// Once more towards the limits of those held: where only the proximal term bends the cost, x comes from so far
+    /// away that not many of its digits are left.
     pub(super) fn refine(&mut self, scaled: &Qp) {
         let (n, held) = (scaled.n(), self.active.len());
         self.look_for_excess(scaled);
