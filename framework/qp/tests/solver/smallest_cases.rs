@@ -22,6 +22,40 @@ fn numbers(case: &Value, key: &str) -> Vec<f64> {
         .collect()
 }
 
+/// What is left of an entry of `H x + g + Aᵀ y + z`, as a part of the largest sum of sizes of an entry's terms, in units
+/// in which the diagonal of H is one, or the range of a variable without curvature.
+fn rest_of_the_gradient(qp: &Qp, s: &Solution) -> f64 {
+    let n = qp.n();
+    let unit = |j: usize| match (qp.h()[j * n + j], qp.upper()[j] - qp.lower()[j]) {
+        (curvature, _) if curvature > 0.0 => 1.0 / curvature.sqrt(),
+        (_, range) if range > 0.0 && range.is_finite() => range,
+        _ => 1.0,
+    };
+    let entry = |j: usize| {
+        let curved = qp.h()[j * n..(j + 1) * n]
+            .iter()
+            .zip(&s.x)
+            .map(|(h, x)| h * x);
+        let limited =
+            s.y.iter()
+                .take(qp.m())
+                .enumerate()
+                .map(|(i, y)| qp.row(i)[j] * y);
+        let terms = curved
+            .chain(limited)
+            .chain([qp.g()[j], s.z[j]])
+            .map(|term| term * unit(j));
+        terms.fold((0.0, 0.0), |(sum, size): (f64, f64), term| {
+            (sum + term, size + term.abs())
+        })
+    };
+    let worse = |(rest, largest): (f64, f64), (sum, size): (f64, f64)| {
+        (rest.max(sum.abs()), largest.max(size))
+    };
+    let (rest, largest) = (0..n).map(entry).fold((0.0, 0.0), worse);
+    rest / largest.max(f64::MIN_POSITIVE)
+}
+
 fn answer(case: &Value) -> (Qp, Status, Solution) {
     let [h, g, a] = ["H", "g", "A"].map(|key| numbers(case, key));
     let rows = ["row_lower", "row_upper"].map(|key| numbers(case, key));
@@ -71,6 +105,8 @@ fn the_smallest_cases_are_answered_rightly() {
         if status != Status::Optimal {
             continue;
         }
+        let rest = rest_of_the_gradient(&qp, &solution);
+        assert!(rest <= 1e-9, "{name}: {rest:e} of the gradient is left");
         let bounds = solution.x.iter().zip(qp.lower().iter().zip(qp.upper()));
         for (x, (lower, upper)) in bounds {
             let excess = (lower - x).max(x - upper);
@@ -98,7 +134,7 @@ fn the_smallest_cases_are_answered_rightly() {
             );
         }
     }
-    assert_eq!(count, 48);
+    assert_eq!(count, 49);
 }
 
 /// The multiplier of a bound beside another that is the rounding of zero, which says nothing about the variable's unit.

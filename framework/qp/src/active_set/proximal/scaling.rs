@@ -21,6 +21,9 @@ const NEGLIGIBLE: f64 = 1e-9;
 /// What curvature adds to a slope within the range may be this part of it, and is no cost to speak of.
 const STRAIGHT: f64 = 1e-12;
 
+/// A coefficient that is a smaller part of the largest of its row, and of its variable, is rounding.
+const ROUNDING: f64 = 1e-11;
+
 /// A cost that is a smaller part of the largest one, in the unit of its variable's bounds.
 const FAINT: f64 = 1e-6;
 
@@ -30,6 +33,8 @@ pub(super) struct Scaling {
     variables: Vec<f64>,
     rows: Vec<f64>,
     cost: f64,
+    /// Of every coefficient.
+    is_rounding: Vec<bool>,
     /// Which variables are connected, and sums over each such set.
     labels: Vec<usize>,
     sums: Vec<(f64, f64)>,
@@ -113,6 +118,7 @@ impl Scaling {
             variables: vec![1.0; vars],
             rows: vec![1.0; rows],
             cost: 1.0,
+            is_rounding: vec![false; vars * rows],
             labels: vec![0; vars],
             sums: vec![(0.0, 0.0); vars],
         }
@@ -124,15 +130,10 @@ impl Scaling {
         for (j, d) in self.variables[..n].iter_mut().enumerate() {
             *d = reciprocal(qp.h()[j * n + j].sqrt());
         }
-        for _ in 0..PASSES {
-            for i in 0..m {
-                let entries = qp.row(i).iter().zip(&self.variables);
-                self.rows[i] = mean(entries.map(|(a, d)| a * d));
-            }
-            for j in (0..n).filter(|j| qp.h()[j * n + j] == 0.0) {
-                let limited = (0..m).filter(|&i| has_limit(qp, i));
-                self.variables[j] = mean(limited.map(|i| qp.row(i)[j] * self.rows[i]));
-            }
+        self.is_rounding[..n * m].fill(false);
+        self.balance(qp);
+        if self.finds_rounding(qp) {
+            self.balance(qp);
         }
         self.anchor(qp);
         self.confine(qp);
@@ -153,6 +154,42 @@ impl Scaling {
             reciprocal(steepest)
         };
         self.see_costs(qp);
+    }
+
+    /// Units of rows and of variables without curvature, by turns, in which coefficients are near one.
+    fn balance(&mut self, qp: &Qp) {
+        let (n, m) = (qp.n(), qp.m());
+        for _ in 0..PASSES {
+            for i in 0..m {
+                let entries = qp.row(i).iter().zip(&self.variables).enumerate();
+                let known = entries.filter(|(j, _)| !self.is_rounding[i * n + j]);
+                self.rows[i] = mean(known.map(|(_, (a, d))| a * d));
+            }
+            for j in (0..n).filter(|j| qp.h()[j * n + j] == 0.0) {
+                let known = (0..m).filter(|i| has_limit(qp, *i) && !self.is_rounding[i * n + j]);
+                self.variables[j] = mean(known.map(|i| qp.row(i)[j] * self.rows[i]));
+            }
+        }
+    }
+
+    /// Marks the coefficients that are rounding beside others of their row and of their variable, in the units found so
+    /// far, as the cosine of a right angle is: they say nothing about units. Whether there are any.
+    fn finds_rounding(&mut self, qp: &Qp) -> bool {
+        let (n, m) = (qp.n(), qp.m());
+        let (rows, variables) = (&self.rows, &self.variables);
+        let size = |i: usize, j: usize| (qp.row(i)[j] * rows[i] * variables[j]).abs();
+        let mut finds = false;
+        for i in 0..m {
+            let in_row = (0..n).fold(0.0, |most: f64, j| most.max(size(i, j)));
+            for j in (0..n).filter(|&j| qp.row(i)[j] != 0.0) {
+                let is_faint = |most: f64| size(i, j) < ROUNDING * most;
+                if is_faint(in_row) && (0..m).any(|k| is_faint(size(k, j))) {
+                    self.is_rounding[i * n + j] = true;
+                    finds = true;
+                }
+            }
+        }
+        finds
     }
 
     /// What has a cost, and nothing else but bounds, has the unit in which its cost is one, if in that of its bounds
