@@ -140,6 +140,13 @@ pub fn in_words(message: &str) -> String {
     {
         return format!("key `{key}` is missing");
     }
+    if ["number overflowed", "` as i128", "` as u128"]
+        .iter()
+        .any(|said| text.contains(said))
+    {
+        return "is a whole number of more than 64 bits: write it with an exponent, as 1e20"
+            .to_owned();
+    }
     for (rust, words) in [
         ("unknown variant `", "unknown value `"),
         ("invalid type: floating point `", "invalid type: number `"),
@@ -150,6 +157,10 @@ pub fn in_words(message: &str) -> String {
         ("expected a map", "expected a table"),
         ("expected f64", "expected a number"),
         ("expected struct ", "expected a table: "),
+        (
+            "wanted string or table",
+            "must be a name, as a string: `\"name\"`",
+        ),
         (
             "invalid type: unit variant, expected newtype variant",
             "is a name without a value, and wants one: `{ name = value }`",

@@ -344,6 +344,21 @@ fn contacts() {
              (known: normal, origin, x_axis)",
         ],
     );
+    check(
+        &format!(
+            "[[contact]]\nname = \"wall\"\nframe = \"tip\"\nkind = 3\nforce_max = 1{}\nforce_min = 1{}\n\
+             surface = {{ normal = [0, 0, 1], x_axis = [1, 0, 0] }}\n",
+            "0".repeat(30),
+            "0".repeat(300),
+        ),
+        &[
+            "x.toml:10:8: contact[0] `wall`: kind: must be a name, as a string: `\"name\"`",
+            "x.toml:11:13: contact[0] `wall`: force_max: is a whole number of more than 64 bits: write it with an \
+             exponent, as 1e20",
+            "x.toml:12:13: contact[0] `wall`: force_min: is a whole number of more than 64 bits: write it with an \
+             exponent, as 1e20",
+        ],
+    );
     let rest = "[contact.surface]\nnormal = [0, 0, 1]\nx_axis = [0, 0, 2]\n";
     let head = "[[contact]]\nname = \"wall\"\nframe = \"tip\"\nkind = \"point\"\n";
     check(
