@@ -224,6 +224,21 @@ impl<'t> Members<'t> {
         }
     }
 
+    /// Puts the events of a case, unless they are more than so many.
+    pub(super) fn put_events(&self, root: &mut DeTable<'t>, case: &str, most: usize) {
+        let indices = self.indices(EVENTS, case);
+        if let Some(DeValue::Array(put)) = descend_or_make(root, LISTS[EVENTS].path)
+            && indices.len() <= most
+        {
+            for entry in indices
+                .into_iter()
+                .filter_map(|index| self.entry(EVENTS, index))
+            {
+                put.push(entry);
+            }
+        }
+    }
+
     /// Whether there is an entry of that name that is not for a case.
     fn leave_out(&self, case: &str, list: &List, name: &str) -> bool {
         let index = LISTS.iter().position(|other| other.path == list.path);

@@ -26,6 +26,9 @@ pub enum ScenarioError {
         /// What is wrong.
         message: String,
     },
+    /// Several of these.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+    Several(Vec<ScenarioError>),
     /// A value makes no sense or a name refers to nothing.
     #[error("{place}: {what}")]
     Value {
@@ -100,6 +103,17 @@ pub enum ScenarioError {
         /// What is wrong.
         source: Box<PlantError>,
     },
+}
+
+impl ScenarioError {
+    /// One of several, or all of them.
+    pub(super) fn of(errors: impl Iterator<Item = Self>) -> Self {
+        let mut errors: Vec<Self> = errors.collect();
+        match errors.pop() {
+            Some(only) if errors.is_empty() => only,
+            last => Self::Several(errors.into_iter().chain(last).collect()),
+        }
+    }
 }
 
 /// One line per problem, each with its place and the whole key.

@@ -268,9 +268,13 @@ impl Text<'_> {
         idle::check_disturbances(self, &cases)?;
         if cases.keys.is_empty() {
             // Read as well: what is wrong with its keys comes before that it has no case.
-            let mut root = cases.root.clone();
-            cases.members.put(&mut root, "", Events::Put);
-            self.keys(&cases, root)?;
+            let tables = || {
+                let mut root = cases.root.clone();
+                cases.members.put(&mut root, "", Events::Put);
+                root
+            };
+            let read = |root: DeTable<'_>| self.keys(&cases, root);
+            read(tables()).map_err(|e| self.mistakes(e, tables(), |rest| read(rest).err()))?;
         }
         let mut known: HashMap<_, Arc<Contents>> = HashMap::new();
         let mut events = KnownEvents::new();
@@ -356,7 +360,8 @@ impl Text<'_> {
         known: &mut KnownEvents<'c>,
     ) -> Result<(Contents, usize), ScenarioError> {
         let (tables, events) = self.tables(cases, index)?;
-        let mut keys = self.keys(cases, tables)?;
+        let wrong = |error| self.all_wrong(cases, index, error);
+        let mut keys = self.keys(cases, tables).map_err(wrong)?;
         if events == Events::Put {
             let own = std::mem::take(&mut keys.events);
             let count = own.len();
@@ -371,7 +376,7 @@ impl Text<'_> {
         let mut events = Vec::with_capacity(entries.len());
         for entry in entries.flatten() {
             let event = Spanned::deserialize(ValueDeserializer::from(entry));
-            events.push(event.map_err(|e| self.error(&e))?);
+            events.push(event.map_err(wrong)?);
         }
         let count = events.len();
         let events = Arc::new(Listed::from(events));
@@ -466,9 +471,14 @@ impl Text<'_> {
         })
     }
 
-    fn keys(&self, cases: &Cases<'_>, root: DeTable<'_>) -> Result<Keys, ScenarioError> {
+    /// Reads tables.
+    pub(super) fn keys(
+        &self,
+        cases: &Cases<'_>,
+        root: DeTable<'_>,
+    ) -> Result<Keys, toml::de::Error> {
         let root = Spanned::new(cases.span.clone(), DeValue::Table(root));
-        Keys::deserialize(ValueDeserializer::from(root)).map_err(|e| self.error(&e))
+        Keys::deserialize(ValueDeserializer::from(root))
     }
 }
 

@@ -54,6 +54,7 @@ mod file;
 mod groups;
 mod idle;
 mod json_schema;
+mod mistakes;
 mod names;
 mod outage;
 mod parts;

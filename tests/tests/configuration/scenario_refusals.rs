@@ -135,6 +135,27 @@ fn unknown_keys() {
     );
 }
 
+/// One mistake hides none of the others, but for what is missing: it may have been meant.
+#[test]
+fn several_mistakes_are_told_at_once() {
+    let plant = "command_delay, contact_point, disturbance, friction_speed, mismatch, servo, step, tolerance, wall";
+    let event = "activate, activate_contact, at, deactivate, deactivate_contact, follow, mark, tare, weight";
+    let expected = format!(
+        "s.toml:3:12: duration: invalid type: string \"long\", expected a number\n\
+         s.toml:13:1: unknown key `stepp`; did you mean `step`? (known: {plant})\n\
+         s.toml:14:1: unknown key `delay`; did you mean `command_delay`? (known: {plant})\n\
+         s.toml:44:1: unknown key `weigth`; did you mean `weight`? (known: {event})"
+    );
+    let wrong = GOOD
+        .replacen("duration = 2.0", "duration = \"long\"", 1)
+        .replacen("step = 0.00025", "stepp = 0.00025\ndelay = 1", 1)
+        .replacen("weight.contact", "weigth.contact", 1);
+    assert_eq!(scenario(&wrong).err(), Some(expected));
+    let endless: String = (0..50).map(|i| format!("key_{i} = {i}\n")).collect();
+    let message = scenario(&replaced("step = 0.00025\n", &endless)).err();
+    assert_eq!(message.map(|message| message.lines().count()), Some(20));
+}
+
 #[test]
 fn missing_keys() {
     refused("name = \"push\"\n", "", "s.toml:1:1: key `name` is missing");
