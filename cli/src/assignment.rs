@@ -45,9 +45,13 @@ impl FromStr for Assignment {
         if is_too_large(value) {
             return Err(format!("{value}: is larger than any number of 64 bits"));
         }
-        let value = format!("value = {value}")
-            .parse::<toml::Table>()
-            .ok()
+        let table = format!("value = {value}").parse::<toml::Table>().ok();
+        if table.as_ref().is_some_and(|table| table.len() > 1) {
+            return Err(format!(
+                "{key}: more than one value: give each its own option"
+            ));
+        }
+        let value = table
             .and_then(|mut table| table.remove("value"))
             .unwrap_or_else(|| value.into());
         Ok(Self {
@@ -165,6 +169,8 @@ mod tests {
             read(&format!("task.com.kp={value}"));
         }
         assert!(refused("tsk.com.kp=2").contains("did you mean `task`"));
+        assert!(refused("task.com.kp=2\nweight=3").contains("more than one value"));
+        read("task.com.kp=[1,\n2]");
         assert!(refused("task com=2").contains("not a key"));
         assert!(refused("task.com.kp").contains("KEY=VALUE"));
     }

@@ -14,7 +14,8 @@ class ActuatorLimits(Plugin):
     input ω²; here the variable is the thrust itself, and so are its bounds. Where an actuator has a `slew`, the effort
     also stays within `slew` × T of the last one that was sent, where T is the time since then, at most a period.
 
-    Bounds on single variables, no rows; they are always hard, and another `hardness` is refused.
+    Bounds on single efforts, rows only where the formulation has no variable for one; always hard, and another
+    `hardness` is refused.
 
     Parameters
     ----------
@@ -319,7 +320,8 @@ class ThrustRateLimits(Plugin):
     given are the robot's own (`slew`), which `ActuatorLimits` keeps as well. Thrusts are sent
     within the actuators' limits, so with those the bounds always leave something.
 
-    Bounds on single variables, no rows; they are always hard, and another `hardness` is refused.
+    Bounds on single efforts, rows only where the formulation has no variable for one; always hard, and another
+    `hardness` is refused.
 
     Parameters
     ----------

@@ -5,7 +5,7 @@
 //! |---|---|---|
 //! | a time, s | above a month | below 1 ns unless zero, above a million years |
 //! | `friction`, the half length of a sole | above the limit in [`check`] | as everything of its unit |
-//! | `regularisation` | below 1e-14 | as everything of its unit |
+//! | `regularisation` | below 1e-14, above 1 | as everything of its unit |
 //! | anything else with a unit | above [`largest`] | a million times as much |
 
 use crate::one_line::CONTROL;
@@ -25,6 +25,8 @@ const SHORTEST: f64 = 1e-9;
 
 /// Below this, relative to the largest weight, rounding of what it is added to is as large.
 const LEAST_REGULARISATION: f64 = 1e-14;
+/// Above this, relative to the largest weight, efforts and forces of 1 N cost more than what the robot is to do.
+const MOST_REGULARISATION: f64 = 1.0;
 
 /// What is to be said of a number.
 #[derive(Debug)]
@@ -87,6 +89,15 @@ pub(super) fn unusual(key: &str, number: f64, unit: &str) -> Option<Remark> {
                 "is {number:e} of the largest weight: what nothing else decides is then decided by rounding"
             ),
             remedy: format!("make it {LEAST_REGULARISATION:e} or more"),
+            is_refused: false,
+        });
+    }
+    if key == "regularisation" && number > MOST_REGULARISATION {
+        return Some(Remark {
+            found: format!(
+                "is {number:e} of the largest weight: small efforts and forces then matter more than any task"
+            ),
+            remedy: format!("make it {MOST_REGULARISATION} or less; 1e-9 is usual"),
             is_refused: false,
         });
     }

@@ -34,10 +34,10 @@ pub struct ContactState {
     pub V: Vector6<f64>,
     /// Jacobian of the contact point, 6 × nv, C axes.
     pub J: Matrix6xX<f64>,
-    /// Bias acceleration `J̇ v` of the contact point.
+    /// Bias acceleration `J̇ v` of the contact point, m/s² and rad/s², C axes.
     pub Jdot_v: Vector6<f64>,
     /// Acceleration of a moving surface at the contact point, with what a point that slides on a turning surface has
-    /// besides: with it [`V`](Self::V) stays as it is. Zero for a wall.
+    /// besides, m/s² and rad/s²: with it [`V`](Self::V) stays as it is. Zero for a wall.
     pub surface_acceleration: Vector6<f64>,
     /// Friction coefficient assumed.
     pub friction: f64,
@@ -47,12 +47,12 @@ pub struct ContactState {
     pub measured: Vector6<f64>,
     /// Measured wrench in the tick in which the contact was last switched on; zero if it was on from the start.
     pub measured_at_switch: Vector6<f64>,
-    /// Wrench put into the dynamics for the free directions.
+    /// Wrench put into the dynamics for the free directions, N and N·m, C axes; its moments are zero.
     pub free_force: Vector6<f64>,
     /// Set point `f^d` of the contact's force task in the last tick, N, on the robot, C axes; zero without one and
     /// while the contact is off.
     pub set_point: Vector3<f64>,
-    /// Wrench of the last solution, zero in the free directions.
+    /// Wrench of the last solution, N and N·m, C axes, zero in the free directions.
     pub solution: Vector6<f64>,
 }
 

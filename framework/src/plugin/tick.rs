@@ -24,8 +24,9 @@ pub struct Tick<'a> {
     pub time: f64,
     /// Control period, s: what looks ahead looks so far.
     pub period: f64,
-    /// Time that this tick stands for, s: what integrals and filters grow by. The time since the last usable
-    /// measurement, four periods at the most; exactly the period in a loop that keeps its rate, and in the first tick.
+    /// Time that this tick stands for, s: what integrals and filters grow by. The time since the last usable state
+    /// (whatever the wrenches were), four periods at the most; exactly the period in a loop that keeps its rate, and in
+    /// the first tick.
     pub elapsed: f64,
     /// Time for which an actuator's `slew` counts in this tick, s: since the tick before, a period at the most.
     pub slew_time: f64,

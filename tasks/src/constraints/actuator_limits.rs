@@ -10,7 +10,8 @@ use wbqp::{actuator::ActuatorKind, model::JointKind, prelude::*};
 /// input ω²; here the variable is the thrust itself, and so are its bounds. Where an actuator has a `slew`, the effort
 /// also stays within `slew` × T of the last one that was sent, where T is the time since then, at most a period.
 ///
-/// Bounds on single variables, no rows; they are always hard, and another `hardness` is refused.
+/// Bounds on single efforts, rows only where the formulation has no variable for one; always hard, and another
+/// `hardness` is refused.
 #[wbqp::constraint("actuator_limits")]
 #[derive(Default)]
 pub struct ActuatorLimits {}

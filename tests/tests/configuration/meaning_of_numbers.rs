@@ -85,18 +85,23 @@ fn what_its_unit_allows_and_its_key_hardly_does_is_said() {
     assert!(large.iter().any(|one| one.contains(said)), "{large:#?}");
 }
 
-/// Of one part in 10²⁰ nothing is left in 64 bits.
+/// Of one part in 10²⁰ nothing is left in 64 bits; with 10⁶ nothing is left of the tasks, and the robot does not hold.
 #[test]
-fn a_regularisation_below_rounding_is_said() {
+fn a_regularisation_below_rounding_or_above_all_tasks_is_said() {
     let of = |value: &str| {
         let line = format!("rate = 500.0\nregularisation = {value}");
         load(&with("rate = 500.0", &line)).expect("is taken")
     };
     assert_eq!(of("1e-12"), Vec::<String>::new());
-    let told = of("1e-20");
-    assert_eq!(told.len(), 1, "{told:?}");
-    let said = "x.toml:3:18: warning: controller: regularisation is 1e-20 of the largest weight";
-    assert!(told[0].starts_with(said), "{told:?}");
+    assert_eq!(of("1.0"), Vec::<String>::new());
+    for value in ["1e-20", "1e6"] {
+        let told = of(value);
+        assert_eq!(told.len(), 1, "{told:?}");
+        let said = format!(
+            "x.toml:3:18: warning: controller: regularisation is {value} of the largest weight"
+        );
+        assert!(told[0].starts_with(&said), "{told:?}");
+    }
 }
 
 #[test]

@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | optimal | | the optimum |
 //! | relaxed | limits contradict one another, or the solver failed | the optimum, limits given up in declared order |
+//! | relaxed | the solution is beyond an actuator's limits | the solution, cut to them |
 //! | extrapolated | no solution, for as long as `extrapolation` says | the last efforts, kept |
 //! | safe | no solution for longer, or never one | a [law](crate::plugin::FallbackLaw) that needs no solver |
 
