@@ -154,6 +154,12 @@ impl Cases<'_> {
         self.varied.get_ref()
     }
 
+    /// Reads tables.
+    pub(super) fn read(&self, root: DeTable<'_>) -> Result<Keys, toml::de::Error> {
+        let root = Spanned::new(self.span.clone(), DeValue::Table(root));
+        Keys::deserialize(ValueDeserializer::from(root))
+    }
+
     /// The index of that name.
     pub(super) fn index(&self, name: &str) -> Option<usize> {
         let is_it = |case: &CaseKeys| case.name.get_ref() == name;
@@ -273,8 +279,9 @@ impl Text<'_> {
                 cases.members.put(&mut root, "", Events::Put);
                 root
             };
-            let read = |root: DeTable<'_>| self.keys(&cases, root);
-            read(tables()).map_err(|e| self.mistakes(e, tables(), |rest| read(rest).err()))?;
+            let rest = |rest: DeTable<'_>| cases.read(rest).err();
+            let read = cases.read(tables());
+            read.map_err(|e| self.mistakes(e, tables(), rest))?;
         }
         let mut known: HashMap<_, Arc<Contents>> = HashMap::new();
         let mut events = KnownEvents::new();
@@ -361,7 +368,7 @@ impl Text<'_> {
     ) -> Result<(Contents, usize), ScenarioError> {
         let (tables, events) = self.tables(cases, index)?;
         let wrong = |error| self.all_wrong(cases, index, error);
-        let mut keys = self.keys(cases, tables).map_err(wrong)?;
+        let mut keys = cases.read(tables).map_err(wrong)?;
         if events == Events::Put {
             let own = std::mem::take(&mut keys.events);
             let count = own.len();
@@ -469,16 +476,6 @@ impl Text<'_> {
             });
             longest
         })
-    }
-
-    /// Reads tables.
-    pub(super) fn keys(
-        &self,
-        cases: &Cases<'_>,
-        root: DeTable<'_>,
-    ) -> Result<Keys, toml::de::Error> {
-        let root = Spanned::new(cases.span.clone(), DeValue::Table(root));
-        Keys::deserialize(ValueDeserializer::from(root))
     }
 }
 

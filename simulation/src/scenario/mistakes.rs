@@ -32,7 +32,7 @@ impl Text<'_> {
             let members = cases.members();
             members.put_events(&mut root, name, MOST_EVENTS);
         }
-        self.mistakes(error, root, |rest| self.keys(cases, rest).err())
+        self.mistakes(error, root, |rest| cases.read(rest).err())
     }
 
     /// The error that reading a table gave, with what else is wrong with keys and values that can be left out.

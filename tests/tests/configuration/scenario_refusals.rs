@@ -151,8 +151,8 @@ fn several_mistakes_are_told_at_once() {
         .replacen("step = 0.00025", "stepp = 0.00025\ndelay = 1", 1)
         .replacen("weight.contact", "weigth.contact", 1);
     assert_eq!(scenario(&wrong).err(), Some(expected));
-    let endless: String = (0..50).map(|i| format!("key_{i} = {i}\n")).collect();
-    let message = scenario(&replaced("step = 0.00025\n", &endless)).err();
+    let keys: Vec<String> = (0..50).map(|i| format!("key_{i} = {i}\n")).collect();
+    let message = scenario(&replaced("step = 0.00025\n", &keys.concat())).err();
     assert_eq!(message.map(|message| message.lines().count()), Some(20));
 }
 
