@@ -224,16 +224,11 @@ impl<'t> Members<'t> {
         }
     }
 
-    /// Puts the events of a case, unless they are more than so many.
-    pub(super) fn put_events(&self, root: &mut DeTable<'t>, case: &str, most: usize) {
-        let indices = self.indices(EVENTS, case);
-        if let Some(DeValue::Array(put)) = descend_or_make(root, LISTS[EVENTS].path)
-            && indices.len() <= most
-        {
-            for entry in indices
-                .into_iter()
-                .filter_map(|index| self.entry(EVENTS, index))
-            {
+    /// Puts the events of a case.
+    pub(super) fn put_events(&self, root: &mut DeTable<'t>, case: &str) {
+        let indices = self.indices(EVENTS, case).into_iter();
+        if let Some(DeValue::Array(put)) = descend_or_make(root, LISTS[EVENTS].path) {
+            for entry in indices.filter_map(|index| self.entry(EVENTS, index)) {
                 put.push(entry);
             }
         }

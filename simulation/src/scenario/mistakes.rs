@@ -13,8 +13,8 @@ use super::{ScenarioError, change::Events, file::Cases, text::Text};
 /// Mistakes that are told: nobody reads more at once, and for each the file is read once more.
 const MOST: usize = 20;
 
-/// Events that are looked through for more that is wrong: read together, each takes a hundred times its text.
-const MOST_EVENTS: usize = 1000;
+/// Bytes of a file that is read again, at most: all of it together, with its events, takes a hundred times its text.
+const LARGEST: usize = 1 << 15;
 
 impl Text<'_> {
     /// What is wrong with a case, of which an error is known.
@@ -24,13 +24,13 @@ impl Text<'_> {
         index: usize,
         error: toml::de::Error,
     ) -> ScenarioError {
-        let Ok((mut root, events)) = self.tables(cases, index) else {
+        let tables = self.is_read_again().then(|| self.tables(cases, index));
+        let Some(Ok((mut root, events))) = tables else {
             return self.error(&error);
         };
         let name = cases.name(index).map_or("", |name| name.get_ref().as_str());
         if events == Events::LeftOut {
-            let members = cases.members();
-            members.put_events(&mut root, name, MOST_EVENTS);
+            cases.members().put_events(&mut root, name);
         }
         self.mistakes(error, root, |rest| cases.read(rest).err())
     }
@@ -51,11 +51,15 @@ impl Text<'_> {
                 let start = error.span().map_or(0, |span| span.start);
                 found.push((start, self.error(&error)));
             }
-            let goes_on = is_taken_out && found.len() < MOST;
+            let goes_on = is_taken_out && found.len() < MOST && self.is_read_again();
             next = if goes_on { read(root.clone()) } else { None };
         }
         found.sort_by_key(|(start, _)| *start);
         ScenarioError::of(found.into_iter().map(|(_, error)| error))
+    }
+
+    fn is_read_again(&self) -> bool {
+        self.file().len() <= LARGEST
     }
 }
 

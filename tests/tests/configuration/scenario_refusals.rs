@@ -154,6 +154,10 @@ fn several_mistakes_are_told_at_once() {
     let keys: Vec<String> = (0..50).map(|i| format!("key_{i} = {i}\n")).collect();
     let message = scenario(&replaced("step = 0.00025\n", &keys.concat())).err();
     assert_eq!(message.map(|message| message.lines().count()), Some(20));
+    // Of a long file the first is enough: all of it would be read again for each.
+    let long = format!("# {}\n{}", "x".repeat(40_000), keys.concat());
+    let message = scenario(&replaced("step = 0.00025\n", &long)).err();
+    assert_eq!(message.map(|message| message.lines().count()), Some(1));
 }
 
 #[test]
