@@ -320,8 +320,7 @@ class ThrustRateLimits(Plugin):
     given are the robot's own (`slew`), which `ActuatorLimits` keeps as well. Thrusts are sent
     within the actuators' limits, so with those the bounds always leave something.
 
-    Bounds on single efforts, rows only where the formulation has no variable for one; always hard, and another
-    `hardness` is refused.
+    Bounds on single variables, no rows; they are always hard, and another `hardness` is refused.
 
     Parameters
     ----------

@@ -43,6 +43,7 @@ pub mod plausible;
 mod report;
 mod save;
 mod table;
+mod words;
 
 use std::path::PathBuf;
 
@@ -59,7 +60,7 @@ pub use error::{ConfigError, ConfigErrorKind, ConfigErrors};
 pub use expand::expand;
 pub use meaning::check_reference;
 pub use overrides::{Overrides, key_path};
-pub use table::in_words;
+pub use words::in_words;
 
 /// Everything a controller is made of.
 #[derive(Debug)]

@@ -207,30 +207,29 @@ impl<'t> Members<'t> {
 
     /// Puts the entries that are for a case where those of all cases were; of events only if they are asked for.
     pub(super) fn put(&self, root: &mut DeTable<'t>, case: &str, events: Events) {
-        for (list, entries) in self.lists.iter().enumerate() {
-            let Some(List { path, .. }) = LISTS.get(list).filter(|_| entries.is_some()) else {
-                continue;
-            };
-            if list == EVENTS && events == Events::LeftOut {
-                continue;
-            }
-            let Some(DeValue::Array(put)) = descend_or_make(root, path) else {
-                continue;
-            };
-            let indices = self.indices(list, case).into_iter();
-            for entry in indices.filter_map(|index| self.entry(list, index)) {
-                put.push(entry);
+        for list in 0..LISTS.len() {
+            if list != EVENTS || events == Events::Put {
+                self.put_list(root, case, list);
             }
         }
     }
 
     /// Puts the events of a case.
     pub(super) fn put_events(&self, root: &mut DeTable<'t>, case: &str) {
-        let indices = self.indices(EVENTS, case).into_iter();
-        if let Some(DeValue::Array(put)) = descend_or_make(root, LISTS[EVENTS].path) {
-            for entry in indices.filter_map(|index| self.entry(EVENTS, index)) {
-                put.push(entry);
-            }
+        self.put_list(root, case, EVENTS);
+    }
+
+    fn put_list(&self, root: &mut DeTable<'t>, case: &str, list: usize) {
+        let (Some(List { path, .. }), Some(Some(_))) = (LISTS.get(list), self.lists.get(list))
+        else {
+            return;
+        };
+        let Some(DeValue::Array(put)) = descend_or_make(root, path) else {
+            return;
+        };
+        let indices = self.indices(list, case).into_iter();
+        for entry in indices.filter_map(|index| self.entry(list, index)) {
+            put.push(entry);
         }
     }
 

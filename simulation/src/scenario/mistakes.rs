@@ -63,8 +63,8 @@ impl Text<'_> {
     }
 }
 
-/// Removes the key, or the key with the value, that stands at a place; false for tables and lists, in which something is
-/// missing.
+/// Removes the key, or the key with the value, that stands at a place; false for tables and lists, in which something
+/// is missing.
 fn take_out(table: &mut DeTable<'_>, span: &Range<usize>) -> bool {
     let is_it = |key: Range<usize>, value: &Spanned<DeValue<'_>>| {
         let is_single = !matches!(value.get_ref(), DeValue::Table(_) | DeValue::Array(_));

@@ -22,8 +22,8 @@ fn numbers(case: &Value, key: &str) -> Vec<f64> {
         .collect()
 }
 
-/// What is left of an entry of `H x + g + Aᵀ y + z`, as a part of the largest sum of sizes of an entry's terms, in units
-/// in which the diagonal of H is one, or the range of a variable without curvature.
+/// What is left of an entry of `H x + g + Aᵀ y + z`, as a part of the largest sum of sizes of an entry's terms, in
+/// units in which the diagonal of H is one, or the range of a variable without curvature.
 fn rest_of_the_gradient(qp: &Qp, s: &Solution) -> f64 {
     let n = qp.n();
     let unit = |j: usize| match (qp.h()[j * n + j], qp.upper()[j] - qp.lower()[j]) {
