@@ -33,7 +33,7 @@ pub(crate) fn list(known: &[&str]) -> String {
 }
 
 /// The nearest of the known names, if it is near enough to have been meant.
-pub(crate) fn did_you_mean<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
+pub fn did_you_mean<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     // A distance takes time with the length of both; nobody means a short name with a long one.
     if name.len() > COMPARED {
         return None;

@@ -334,6 +334,8 @@ fn warn_of_singular(
                     "the mass matrix is not positive definite: with the joints beyond it let go, this one moves \
                      nothing ({pivot:.1e} of inertia; with them held, {own:.1e})"
                 )
+            } else if own < 0.0 {
+                format!("the mass matrix is not positive definite: this joint feels less than no inertia ({own:.1e})")
             } else {
                 let followers = model.mimics().iter().filter(|m| m.leader.index() == joint).count();
                 let too = match followers {

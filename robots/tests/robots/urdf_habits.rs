@@ -1165,3 +1165,186 @@ fn the_origin_of_a_floating_joint_is_where_the_base_is_at_home() {
     let robot = load_with(&text, &toml("position = [0.0, 0.0, 9.0]"));
     assert_eq!(robot.home.p_WR.as_slice(), [0.0, 0.0, 9.0]);
 }
+
+/// An arm whose joint and link have all that is read of them.
+fn all_there_is() -> String {
+    let inertial = inertial("2", ["0.1", "0.1", "0.1"]).replace(
+        "<inertial>",
+        "<inertial><origin xyz=\"0 0 0.1\" rpy=\"0 0 0.1\"/>",
+    );
+    let arm = format!("<link name=\"arm\">{inertial}</link>\n");
+    let elbow = format!(
+        "<origin xyz=\"0 0 1\" rpy=\"0 1 0\"/><axis xyz=\"0 1 0\"/>{LIMIT}<dynamics damping=\"1\" friction=\"1\"/>"
+    );
+    let wrist = format!("{LIMIT}<mimic joint=\"elbow\" multiplier=\"2\" offset=\"0.1\"/>");
+    robot(
+        &(link("base")
+            + &arm
+            + &link("hand")
+            + &joint("elbow", "revolute", "base", "arm", &elbow)
+            + &joint("wrist", "revolute", "arm", "hand", &wrist)),
+    )
+}
+
+#[test]
+fn what_is_misspelt_is_said_or_refused() {
+    let text = all_there_is();
+    let slips = |name: &str| {
+        let mut letters: Vec<char> = name.chars().collect();
+        let middle = letters.len() / 2;
+        letters.swap(middle - 1, middle);
+        [
+            name[..1].to_uppercase() + &name[1..],
+            name[..middle].to_owned() + &name[middle + 1..],
+            letters.into_iter().collect(),
+        ]
+    };
+    let mut tried = 0;
+    let is_name = |c: char| c.is_ascii_lowercase();
+    // The robot's own name is asked for otherwise.
+    let from = text.find('\n').expect("a line");
+    for (at, _) in text.match_indices(is_name).filter(|(at, _)| *at > from) {
+        let rest = &text[at..];
+        let name: String = rest.chars().take_while(|&c| is_name(c)).collect();
+        let before_it = text[..at].chars().next_back();
+        let is_element = before_it == Some('<') && name != "robot";
+        let is_attribute = before_it == Some(' ') && rest[name.len()..].starts_with('=');
+        if !is_element && !is_attribute {
+            continue;
+        }
+        // What closes an element that is not empty is changed with it.
+        let closing = format!("</{name}>");
+        for slip in slips(&name).into_iter().filter(|slip| *slip != name) {
+            let mut wrong = text.clone();
+            let is_closed_apart = !text[at..]
+                .split('>')
+                .next()
+                .is_some_and(|e| e.ends_with('/'));
+            if let Some(end) = text[at..]
+                .find(&closing)
+                .filter(|_| is_element && is_closed_apart)
+            {
+                let from = at + end + 2;
+                wrong.replace_range(from..from + name.len(), &slip);
+            }
+            wrong.replace_range(at..at + name.len(), &slip);
+            tried += 1;
+            match from_sources(source("r.urdf", &wrong), None, &Options::default()) {
+                Err(error) => contains(&error.to_string(), &["r.urdf:"]),
+                Ok(robot) => {
+                    let mut said = robot.diagnostics.iter().map(Diagnostic::to_string);
+                    let is_said = said.any(|d| d.contains(&slip) && d.contains("did you mean"));
+                    assert!(is_said, "nothing is said of `{slip}`:\n{wrong}");
+                }
+            }
+        }
+    }
+    assert!(tried > 150, "{tried} slips");
+    let as_it_is = load(&text).diagnostics;
+    assert!(
+        !as_it_is
+            .iter()
+            .any(|d| d.to_string().contains("did you mean"))
+    );
+}
+
+#[test]
+fn the_names_of_other_programs_are_no_slips() {
+    let limit = LIMIT.replace("/>", " acceleration=\"1\" jerk=\"1\"/>");
+    let dynamics =
+        "<dynamics spring_reference=\"0\" spring_stiffness=\"0\"/><hardwareInterface/><safety/>";
+    let text = arm("revolute", &(limit + dynamics))
+        .replace(
+            "<inertial>",
+            "<collision_checking/><self_collide/><inertial>",
+        )
+        .replace("</robot>", "<sensor/><links_of_group/><Material/></robot>");
+    silent(&text);
+}
+
+#[test]
+fn a_slip_of_strict_mode_is_refused() {
+    let text = arm("revolute", &format!("<Axis xyz=\"0 1 0\"/>{LIMIT}"));
+    let parts = [
+        "r.urdf:4:",
+        "joint `elbow`",
+        "<Axis>",
+        "did you mean `axis`?",
+    ];
+    warned(&text, &parts);
+    refused_with(&text, &toml("strict = true"), &parts);
+    let lost = text.replace("</robot>", "<Link name=\"hand\"/></robot>");
+    let lost = lost.replace("Axis", "axis");
+    warned(
+        &lost,
+        &["<robot>", "<Link>", "did you mean `link`?", "left out"],
+    );
+}
+
+#[test]
+fn what_is_too_small_to_move_anything_is_said() {
+    for key in ["velocity", "effort"] {
+        let limit = LIMIT.replace(
+            &format!("{key}=\""),
+            &format!("{key}=\"1e-300\" was_{key}=\""),
+        );
+        warned(
+            &arm("revolute", &limit),
+            &[&format!("{key} limit is 1e-300"), "used as it is"],
+        );
+    }
+}
+
+#[test]
+fn millimetres_and_grams_are_said() {
+    let origin = format!("<origin xyz=\"0 0 333\"/>{LIMIT}");
+    warned(
+        &arm("revolute", &origin),
+        &["joint `elbow`", "333 m", "1 mm is 0.001"],
+    );
+    let grams = arm_link(&inertial("2000", ["0.01", "0.01", "0.01"]));
+    warned(
+        &grams,
+        &["link `arm`", "denser than any metal", "1 g is 1e-3"],
+    );
+    let strict = toml("strict = true");
+    refused_with(&grams, &strict, &["denser than any metal"]);
+    refused_with(&arm("revolute", &origin), &strict, &["333 m"]);
+    // 2 t of steel in one piece.
+    silent(&arm_link(&inertial("2000", ["60", "60", "60"])));
+}
+
+#[test]
+fn what_xacro_has_not_expanded_is_refused_with_the_way_to_do_it() {
+    let parts = ["r.urdf:3:", "xacro", "expand it first"];
+    refused(&arm_link(&inertial("${m*2}", ["1", "1", "1"])), &parts);
+    refused(
+        &arm_link(&INERTIAL.replace("<inertial>", "<inertial><origin xyz=\"0 0 ${l}\"/>")),
+        &parts,
+    );
+    let named = arm("revolute", LIMIT).replace("\"arm\"", "\"$(arg prefix)arm\"");
+    refused(&named, &parts);
+}
+
+#[test]
+fn types_of_joints_are_told_with_what_was_meant() {
+    refused(
+        &arm("Revolute", LIMIT),
+        &["did you mean `revolute`?", "planar, floating"],
+    );
+    refused_with(
+        &arm("screw", LIMIT),
+        &toml("strict = true"),
+        &["(known: revolute, continuous, prismatic, fixed)"],
+    );
+}
+
+#[test]
+fn a_text_that_was_cut_says_where() {
+    let text = arm("revolute", LIMIT);
+    let lines: Vec<&str> = text.lines().collect();
+    let cut = lines[..3].join("\n");
+    refused(&cut, &["r.urdf:3:", "malformed XML", "is the file cut?"]);
+    let entity = "<!DOCTYPE r [\n<!ENTITY e 'x'>]><robot name='r'/>";
+    refused(entity, &["r.urdf:2:1", "entities of its own"]);
+}

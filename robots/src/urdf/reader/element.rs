@@ -7,6 +7,14 @@ use crate::{
     urdf::findings::{At, Findings, Irregularity},
 };
 
+/// What to do with what only xacro can read.
+pub(super) const EXPAND: &str = "expand it first: xacro robot.urdf.xacro > robot.urdf";
+
+/// Whether a text has what xacro would replace.
+pub(super) fn is_unexpanded(text: &str) -> bool {
+    text.contains("${") || text.contains("$(")
+}
+
 /// Reads the parts of one link or joint and names it in what it finds.
 pub(super) struct Reader<'r, 'a> {
     pub(super) element: String,
@@ -75,7 +83,11 @@ impl Reader<'_, '_> {
             Ok(value) if !value.is_nan() => Some(value),
             _ => {
                 let tag = node.tag_name().name();
-                self.refuse(node, format!("<{tag}> {key}=\"{text}\" is not a number"));
+                let hint = hint(text);
+                self.refuse(
+                    node,
+                    format!("<{tag}> {key}=\"{text}\" is not a number{hint}"),
+                );
                 None
             }
         }
@@ -112,12 +124,24 @@ impl Reader<'_, '_> {
         let tag = node.tag_name().name();
         self.refuse(
             node,
-            format!("<{tag}> {key}=\"{text}\" is not {count} numbers separated by spaces"),
+            format!(
+                "<{tag}> {key}=\"{text}\" is not {count} numbers separated by spaces{}",
+                hint(text)
+            ),
         );
         None
     }
 
     pub(super) fn three(&mut self, node: Node<'_, '_>, key: &str) -> Option<[f64; 3]> {
         self.numbers(node, key, "three")
+    }
+}
+
+/// What a text that is no number may be.
+fn hint(text: &str) -> String {
+    if is_unexpanded(text) {
+        format!("; it is written for xacro: {EXPAND}")
+    } else {
+        String::new()
     }
 }

@@ -14,6 +14,9 @@ use crate::{
 /// What exporters write for a range without an end, rad: up to it a range is taken as it is, and needs no word.
 const HABITUAL: f64 = 1e16;
 
+/// A joint that may move no faster, or push no harder, in rad/s, m/s, N·m or N, stands still: as good as none.
+const SMALLEST: f64 = 1e-6;
+
 /// A position, or infinity for one that no joint comes to.
 fn endless(position: f64) -> f64 {
     if position.abs() > HABITUAL {
@@ -205,6 +208,16 @@ impl Reader<'_, '_> {
             return None;
         }
         if value > 0.0 {
+            if value < SMALLEST {
+                let found = format!("{key} limit is {value:e}");
+                self.repair(
+                    limit,
+                    Irregularity::warning(found.clone(), "used as it is")
+                        .remedy(format!("{remedy} if it is to move"))
+                        .unless_given([quantity])
+                        .refused_as(found),
+                );
+            }
             return Some(value);
         }
         let irregularity =

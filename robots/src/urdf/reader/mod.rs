@@ -6,12 +6,14 @@
 
 mod element;
 mod limit;
+mod misspelt;
 
 use roxmltree::{Document, Node};
 use wbqp::{
     model::Inertia,
     nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, Unit, UnitQuaternion, Vector3},
     robot::{RobotError, SourceLocation},
+    suggestion::did_you_mean,
 };
 
 use super::{
@@ -25,16 +27,33 @@ use crate::{
     source::Source,
     xml::{self, DEEPEST},
 };
-use element::Reader;
+use element::{EXPAND, Reader};
 
+/// What a robot has of which other programs read more than this one: no slips of `link` and `joint`.
+const PARTS: &[&str] = &["link", "joint", "material", "transmission", "gazebo"];
+/// What joints are; strict mode has the first four.
+const TYPES: [&str; 6] = [
+    "revolute",
+    "continuous",
+    "prismatic",
+    "fixed",
+    "planar",
+    "floating",
+];
 /// A turn, with room for rounding, rad.
 const MOST_TURNED: f64 = 6.3;
+/// The longest arms in space have links of half that length, m.
+const LONGEST: f64 = 20.0;
 /// A radius of gyration below this is a number that was made up for a small body, at worst, m …
 const FARTHEST: f64 = 5.0;
 /// … and so is a moment below this, kg·m².
 const HEAVY: f64 = 1.0;
 /// A body's mass over the third power of that radius, kg/m³: less than that of masts, and a tenth of air's.
 const THINNEST: f64 = 0.1;
+/// More than three times that of a ball of osmium, kg/m³; of light bodies moments are often made up …
+const DENSEST: f64 = 1e6;
+/// … but no one makes up those of a body as heavy as this, kg.
+const HEAVIEST: f64 = 100.0;
 
 /// Reads links and joints; what is wrong goes to `findings`. Nothing if there is no robot.
 pub(super) fn read(document: &Document<'_>, findings: &mut Findings<'_>) -> Option<Description> {
@@ -66,10 +85,7 @@ pub(super) fn read(document: &Document<'_>, findings: &mut Findings<'_>) -> Opti
             offset: macros.range().start,
             element: "<xacro>",
         };
-        findings.refuse(
-            at,
-            "this is a xacro file; expand it first: xacro robot.urdf.xacro > robot.urdf",
-        );
+        findings.refuse(at, format!("this is a xacro file; {EXPAND}"));
         return None;
     }
     let mut between = Vec::new();
@@ -87,11 +103,38 @@ pub(super) fn read(document: &Document<'_>, findings: &mut Findings<'_>) -> Opti
                 }
                 other => description.joints.extend(other),
             },
-            _ => {}
+            tag => {
+                let element = "<robot>".to_owned();
+                let what = format!("it has <{tag}>");
+                Reader { element, findings }.doubt_name(node, what, tag, PARTS);
+            }
         }
     }
     description.links.extend(between);
+    doubt_lengths(&description.joints, findings);
     Some(description)
+}
+
+/// Told once, of the longest: where one is in millimetres, all are.
+fn doubt_lengths(joints: &[Joint], findings: &mut Findings<'_>) {
+    let length = |joint: &Joint| joint.X_PJ.translation.vector.norm();
+    let longest = joints.iter().max_by(|a, b| length(a).total_cmp(&length(b)));
+    let Some(joint) = longest.filter(|joint| length(joint) > LONGEST) else {
+        return;
+    };
+    let found = format!(
+        "its origin is {:.0} m from that of its parent",
+        length(joint)
+    );
+    findings.repair(
+        At {
+            offset: joint.offset,
+            element: &format!("joint `{}`", joint.name),
+        },
+        Irregularity::warning(found.clone(), "used as it is")
+            .remedy("lengths are in metres: 1 mm is 0.001")
+            .refused_as(found),
+    );
 }
 
 /// Whether an element is one that xacro replaces.
@@ -105,11 +148,29 @@ fn is_xacro(node: &Node<'_, '_>) -> bool {
 
 /// What roxmltree says of a text that is no XML.
 pub(super) fn parse_error(source: &Source<'_>, error: &roxmltree::Error) -> RobotError {
+    use roxmltree::Error;
     let at = error.pos();
-    RobotError::Syntax {
-        place: SourceLocation::at(source.file, at.row as usize, at.col as usize),
-        what: format!("malformed XML: {}", without_position(error)),
-    }
+    let place = SourceLocation::at(source.file, at.row as usize, at.col as usize);
+    let (place, what) = match error {
+        Error::DtdDetected => {
+            let entity = source.text.find("<!ENTITY").unwrap_or_default();
+            let what = "has entities of its own (<!ENTITY …>), which can grow without end: write out what they stand for";
+            (source.place(entity), what.to_owned())
+        }
+        // The parser says this without a place.
+        Error::UnexpectedEndOfStream | Error::UnclosedRootNode
+            if !source.text.trim().is_empty() =>
+        {
+            let end = source.text.trim_end().len();
+            let what = format!(
+                "malformed XML: {}; is the file cut?",
+                without_position(error)
+            );
+            (source.place(end), what)
+        }
+        _ => (place, format!("malformed XML: {}", without_position(error))),
+    };
+    RobotError::Syntax { place, what }
 }
 
 /// The text with what other readers of URDFs forgive taken out, byte for byte in the same places: an XML declaration
@@ -180,6 +241,7 @@ fn link(node: Node<'_, '_>, findings: &mut Findings<'_>) -> Option<Link> {
         element: format!("link `{name}`"),
         findings,
     };
+    reader.misspelt(node);
     let inertial = reader.child(node, "inertial");
     Some(Link {
         name,
@@ -195,6 +257,7 @@ fn joint(node: Node<'_, '_>, findings: &mut Findings<'_>) -> Option<Joint> {
         element: format!("joint `{name}`"),
         findings,
     };
+    reader.misspelt(node);
     let kind = reader.kind(node);
     let mimic = reader.mimic(node, kind?);
     let X_PJ = reader.origin(node);
@@ -356,10 +419,28 @@ impl Reader<'_, '_> {
         })
     }
 
-    /// Moments of a body far larger than its mass makes likely: of other units, as most data sheets have them.
+    /// Moments of a body far larger or smaller than its mass makes likely: of other units, as data sheets have them.
     fn doubt_extent(&mut self, node: Node<'_, '_>, mass: f64, I_cm: &Matrix3<f64>) {
         let moment = I_cm.symmetric_eigenvalues().max();
         let radius = (moment / mass).sqrt();
+        if mass > HEAVIEST && moment > 0.0 && mass > DENSEST * radius.powi(3) {
+            let found = format!(
+                "with {mass} kg and a moment of inertia of {moment} kg·m² it is denser than any metal: its mass is \
+                 {:.2} mm from its middle",
+                1e3 * radius
+            );
+            self.repair(
+                node,
+                Irregularity::warning(found.clone(), "taken as it is")
+                    .remedy(
+                        "masses are in kg (1 g is 1e-3) and moments in kg·m²; the robot's option `inertia` says \
+                         otherwise",
+                    )
+                    .unless_given([Quantity::Inertia])
+                    .refused_as(found),
+            );
+            return;
+        }
         // Without mass it is said already; with next to none it is a frame.
         let is_doubtful = mass > 0.0 && moment > HEAVY && radius > FARTHEST;
         if !is_doubtful || mass > THINNEST * radius.powi(3) {
@@ -400,9 +481,19 @@ impl Reader<'_, '_> {
                 return None;
             }
             _ => {
+                let known: &[&str] = if self.findings.is_strict() {
+                    &TYPES[..4]
+                } else {
+                    &TYPES
+                };
+                // A capital letter is the commonest slip, and counts for none.
+                let near = did_you_mean(&text.trim().to_lowercase(), known);
+                let hint = near.map(|near| format!("; did you mean `{near}`?"));
+                let hint = hint.unwrap_or_default();
+                let known = known.join(", ");
                 self.refuse(
                     node,
-                    format!("unknown type `{text}`; known: revolute, continuous, prismatic, fixed"),
+                    format!("unknown type `{text}`{hint} (known: {known})"),
                 );
                 return None;
             }
@@ -486,6 +577,14 @@ impl Reader<'_, '_> {
 
 fn name(node: Node<'_, '_>, element: &str, findings: &mut Findings<'_>) -> Option<String> {
     match node.attribute("name") {
+        Some(name) if element::is_unexpanded(name) => {
+            let offset = node.range().start;
+            findings.refuse(
+                At { offset, element },
+                format!("`{name}` is written for xacro; {EXPAND}"),
+            );
+            None
+        }
         Some(name) if !name.trim().is_empty() => Some(name.to_owned()),
         _ => {
             let offset = node.range().start;
