@@ -21,6 +21,7 @@ use super::{
 use crate::{
     controller::{Misfit, MisfitKind},
     error::BindError,
+    input::nearest,
     settings::Target,
 };
 use wbqp_robot_model::{RobotError, SourceFile, SourceLocation};
@@ -233,21 +234,7 @@ fn steps(path: &str) -> Vec<Step> {
 
 /// Where the value of a path is; the nearest thing around it that is written out.
 fn span_of(section: &Section<'_>, path: &[Step]) -> Span {
-    let mut span = section.span.clone();
-    let mut steps = path.iter();
-    let Some(Step::Key(first)) = steps.next() else {
-        return span;
-    };
-    let mut value = section.keys.get(first.as_str());
-    while let Some(here) = value {
-        span = here.span();
-        value = match (steps.next(), here.get_ref()) {
-            (Some(Step::Key(key)), DeValue::Table(table)) => table.get(key.as_str()),
-            (Some(Step::Index(index)), DeValue::Array(elements)) => elements.get(*index),
-            _ => None,
-        };
-    }
-    span
+    nearest(&section.keys, path).map_or_else(|| section.span.clone(), Spanned::span)
 }
 
 /// Whether a value is a path that ends a file's name.

@@ -1,8 +1,9 @@
 //! Collects what is wrong with a configuration, as spans; turns it into sorted errors with line and column.
 
-use std::{fmt, ops::Range};
+use std::ops::Range;
 
 use super::{ConfigError, ConfigErrorKind, ConfigErrors, overrides::Applied};
+pub(super) use crate::input::{Step, TablePath as Path};
 use wbqp_robot_model::SourceLocation;
 
 /// Syntax errors that are told: one slip makes a parser stumble over what follows.
@@ -17,29 +18,6 @@ const READ_AGAIN: usize = 1 << 24;
 
 /// Bytes of the text that is read: the file, and behind its end the values of the overrides.
 pub(super) type Span = Range<usize>;
-
-/// A step into a table.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Step {
-    Key(String),
-    Index(usize),
-}
-
-/// Where in an entry: `reference.to[2]`.
-pub(super) struct Path<'a>(pub(super) &'a [Step]);
-
-impl fmt::Display for Path<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (index, step) in self.0.iter().enumerate() {
-            match step {
-                Step::Key(key) if index == 0 => f.write_str(key)?,
-                Step::Key(key) => write!(f, ".{key}")?,
-                Step::Index(element) => write!(f, "[{element}]")?,
-            }
-        }
-        Ok(())
-    }
-}
 
 /// Whose problem it is: an entry, and a path into it.
 #[derive(Clone, Debug, Default)]

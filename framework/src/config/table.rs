@@ -1,12 +1,12 @@
 //! Reads one table: refuses unknown keys, asks for missing ones, and finds every bad value.
 //!
 //! Serde stops at the first error. What is unknown or missing is read off the JSON Schema instead, and bad
-//! values are found by a loop: deserialise, note the error, take out the key it points at, again.
+//! values are found by reading what is [left](Rest) without them.
 
 use serde_json::Value;
 use toml::{
     Spanned,
-    de::{DeArray, DeTable, DeValue, ValueDeserializer},
+    de::{DeTable, DeValue, ValueDeserializer},
 };
 
 use super::{
@@ -14,6 +14,7 @@ use super::{
     report::{At, Report, Span, Step},
 };
 use crate::{
+    input::Rest,
     plugin::{AnyConstraint, AnyFallbackLaw, AnyReference, AnyTask},
     qp::Solver,
     registry::{self, PluginKind, schema::Node},
@@ -43,8 +44,12 @@ impl<'t> Section<'t> {
     }
 
     fn to_deserializer(&self) -> ValueDeserializer<'t> {
-        Spanned::new(self.span.clone(), DeValue::Table(self.keys.clone())).into()
+        deserializer(&self.span, &self.keys)
     }
+}
+
+fn deserializer<'t>(span: &Span, keys: &DeTable<'t>) -> ValueDeserializer<'t> {
+    Spanned::new(span.clone(), DeValue::Table(keys.clone())).into()
 }
 
 /// Reads `type` and the keys of the plug-in it names. `entry_keys` are known as well: the caller took them.
@@ -145,52 +150,30 @@ pub(super) fn read<'t, T>(
     };
     let Section { span, keys } = &mut section;
     inspection.table(Node::root(schema), span, keys, other_keys, &mut Vec::new());
-    let mut damaged = inspection.damaged;
-    let mut original = None;
+    let damaged = inspection.damaged;
+    let mut error = match load(section.to_deserializer()) {
+        Ok(value) => return (report.len() == before).then_some(value),
+        Err(error) => error,
+    };
+    let Section { span: whole, keys } = section;
+    let mut rest = Rest::new(whole.clone(), keys, damaged);
+    let size = rest.values();
     loop {
-        let error = match load(section.to_deserializer()) {
-            Ok(value) => return (report.len() == before).then_some(value),
-            Err(error) => error,
-        };
-        // Elements of lists are counted as the file has them.
-        let original: &(DeTable<'_>, usize) =
-            original.get_or_insert_with(|| (section.keys.clone(), values(&section.keys)));
-        let (written, size) = original;
-        // What is about the table as a whole is about none of its keys, also of those that have no place of their own.
-        let inner = error.span().filter(|span| *span != section.span);
-        let located = |keys: &DeTable<'_>| {
-            let path = inner.as_ref().and_then(|span| locate(keys, span));
-            path.unwrap_or_default()
-        };
-        let path = located(written);
-        // A table that lost a key complains about that: said already.
-        if !damaged.contains(&path) {
-            let span = error.span().unwrap_or_else(|| section.span.clone());
+        if let Some(path) = rest.path_of(&error) {
+            let span = error.span().unwrap_or_else(|| whole.clone());
             let message = in_words(error.message());
             report.add(Kind::Value, Some(span), &at.then(&path), message);
         }
-        let here = located(&section.keys);
-        let depth = remove(&mut section.keys, &here)?;
-        damaged.push(path.get(..depth)?.to_vec());
-        if !report.may_read_again(*size) {
-            let message =
-                "what else may be wrong here is not looked for; correct what is told first";
-            report.add(Kind::Value, Some(section.span), at, message);
+        if !rest.take_out(&error) {
             return None;
         }
-    }
-}
-
-/// How many values a table has, with all that is in them.
-fn values(table: &DeTable<'_>) -> usize {
-    table.values().map(values_in).sum()
-}
-
-fn values_in(value: &Spanned<DeValue<'_>>) -> usize {
-    1 + match value.get_ref() {
-        DeValue::Table(table) => values(table),
-        DeValue::Array(elements) => elements.iter().map(values_in).sum(),
-        _ => 0,
+        if !report.may_read_again(size) {
+            let message =
+                "what else may be wrong here is not looked for; correct what is told first";
+            report.add(Kind::Value, Some(whole), at, message);
+            return None;
+        }
+        error = load(deserializer(&whole, rest.left())).err()?;
     }
 }
 
@@ -365,85 +348,4 @@ fn inner_table<'s>(node: Node<'s>, key: &str) -> Option<&'s str> {
         let is_there = inner.plugin().is_none() && inner.keys()?.known.contains(&key);
         is_there.then_some(table.as_str())
     })
-}
-
-/// The innermost value, or the key, that contains a span.
-fn locate(table: &DeTable<'_>, span: &Span) -> Option<Vec<Step>> {
-    table.iter().find_map(|(key, value)| {
-        let step = Step::Key(key.get_ref().to_string());
-        if contains(&key.span(), span) && !contains(&value.span(), span) {
-            return Some(vec![step]);
-        }
-        locate_in(value, span).map(|mut path| {
-            path.insert(0, step);
-            path
-        })
-    })
-}
-
-fn locate_in(value: &Spanned<DeValue<'_>>, span: &Span) -> Option<Vec<Step>> {
-    let inner = match value.get_ref() {
-        DeValue::Table(table) => locate(table, span),
-        DeValue::Array(elements) => elements.iter().enumerate().find_map(|(index, element)| {
-            locate_in(element, span).map(|mut path| {
-                path.insert(0, Step::Index(index));
-                path
-            })
-        }),
-        _ => None,
-    };
-    inner.or_else(|| contains(&value.span(), span).then(Vec::new))
-}
-
-fn contains(outer: &Span, inner: &Span) -> bool {
-    outer.start <= inner.start && inner.end <= outer.end
-}
-
-/// Takes out what a path leads to: an element of a list, else the last key of the path. Gives the number of steps to
-/// what lost it.
-fn remove(table: &mut DeTable<'_>, path: &[Step]) -> Option<usize> {
-    let last = path.iter().rposition(|step| matches!(step, Step::Key(_)))?;
-    let (parent, rest) = path.split_at(last);
-    let (Step::Key(key), indices) = rest.split_first()? else {
-        return None;
-    };
-    let parent = descend(table, parent)?;
-    if let Some((Step::Index(index), lists)) = indices.split_last() {
-        let mut list = parent.get_mut(key.as_str())?.get_mut();
-        for step in lists {
-            let (DeValue::Array(elements), Step::Index(index)) = (list, step) else {
-                return None;
-            };
-            list = elements.get_mut(*index)?.get_mut();
-        }
-        let DeValue::Array(elements) = list else {
-            return None;
-        };
-        let all = std::mem::replace(elements, DeArray::new());
-        let others = all.into_iter().enumerate().filter(|(at, _)| at != index);
-        *elements = others.map(|(_, element)| element).collect();
-        return Some(path.len() - 1);
-    }
-    parent.remove(key.as_str())?;
-    Some(last)
-}
-
-fn descend<'a, 't>(table: &'a mut DeTable<'t>, path: &[Step]) -> Option<&'a mut DeTable<'t>> {
-    let Some((first, rest)) = path.split_first() else {
-        return Some(table);
-    };
-    let Step::Key(key) = first else { return None };
-    let mut value = table.get_mut(key.as_str())?.get_mut();
-    let mut rest = rest;
-    while let Some((Step::Index(index), deeper)) = rest.split_first() {
-        let DeValue::Array(elements) = value else {
-            return None;
-        };
-        value = elements.get_mut(*index)?.get_mut();
-        rest = deeper;
-    }
-    match value {
-        DeValue::Table(inner) => descend(inner, rest),
-        _ => None,
-    }
 }

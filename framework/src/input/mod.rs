@@ -8,6 +8,7 @@
 
 mod memory;
 mod outline;
+mod rest;
 
 use std::{
     collections::HashSet,
@@ -21,6 +22,7 @@ use crate::suggestion::hint;
 
 pub use memory::keep;
 pub use outline::{Enough, IsText, Mark, outline};
+pub use rest::{Path as TablePath, Rest, Step, locate, nearest};
 
 /// The largest text that is read, bytes: controllers, scenarios, robots, rotors, postures. A hundred times the largest
 /// of them that anybody has shown.

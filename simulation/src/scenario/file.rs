@@ -144,6 +144,11 @@ impl Cases<'_> {
         self.keys.get(index).map(|case| &case.name)
     }
 
+    /// Where its tables stand.
+    pub(super) fn span(&self) -> Range<usize> {
+        self.span.clone()
+    }
+
     /// The entries of its lists.
     pub(super) fn members(&self) -> &Members<'_> {
         &self.members
@@ -279,9 +284,8 @@ impl Text<'_> {
                 cases.members.put(&mut root, "", Events::Put);
                 root
             };
-            let rest = |rest: DeTable<'_>| cases.read(rest).err();
             let read = cases.read(tables());
-            read.map_err(|e| self.mistakes(e, tables(), rest))?;
+            read.map_err(|e| self.mistakes(e, &cases, tables()))?;
         }
         let mut known: HashMap<_, Arc<Contents>> = HashMap::new();
         let mut events = KnownEvents::new();

@@ -1,12 +1,7 @@
-//! All that is wrong with the keys of a file, where reading it tells the first: what is wrong is taken out, and the
-//! rest is read again.
+//! All that is wrong with the keys of a file, where reading it tells the first.
 
-use std::ops::Range;
-
-use toml::{
-    Spanned,
-    de::{DeTable, DeValue},
-};
+use toml::de::DeTable;
+use wbqp::input::Rest;
 
 use super::{ScenarioError, change::Events, file::Cases, text::Text};
 
@@ -32,27 +27,30 @@ impl Text<'_> {
         if events == Events::LeftOut {
             cases.members().put_events(&mut root, name);
         }
-        self.mistakes(error, root, |rest| cases.read(rest).err())
+        self.mistakes(error, cases, root)
     }
 
     /// The error that reading a table gave, with what else is wrong with keys and values that can be left out.
     pub(super) fn mistakes(
         &self,
-        first: toml::de::Error,
-        mut root: DeTable<'_>,
-        read: impl Fn(DeTable<'_>) -> Option<toml::de::Error>,
+        mut error: toml::de::Error,
+        cases: &Cases<'_>,
+        root: DeTable<'_>,
     ) -> ScenarioError {
+        let mut rest = Rest::new(cases.span(), root, Vec::new());
         let mut found = Vec::new();
-        let mut next = Some(first);
-        while let Some(error) = next {
-            let is_taken_out = error.span().is_some_and(|span| take_out(&mut root, &span));
-            // A key that is missing may be one that was taken out.
-            if found.is_empty() || is_taken_out {
+        loop {
+            if rest.path_of(&error).is_some() {
                 let start = error.span().map_or(0, |span| span.start);
                 found.push((start, self.error(&error)));
             }
-            let goes_on = is_taken_out && found.len() < MOST && self.is_read_again();
-            next = if goes_on { read(root.clone()) } else { None };
+            if found.len() == MOST || !self.is_read_again() || !rest.take_out(&error) {
+                break;
+            }
+            error = match cases.read(rest.left().clone()) {
+                Err(next) => next,
+                Ok(_) => break,
+            };
         }
         found.sort_by_key(|(start, _)| *start);
         ScenarioError::of(found.into_iter().map(|(_, error)| error))
@@ -61,25 +59,4 @@ impl Text<'_> {
     fn is_read_again(&self) -> bool {
         self.file().len() <= LARGEST
     }
-}
-
-/// Removes the key, or the key with the value, that stands at a place; false for tables and lists, in which something
-/// is missing.
-fn take_out(table: &mut DeTable<'_>, span: &Range<usize>) -> bool {
-    let is_it = |key: Range<usize>, value: &Spanned<DeValue<'_>>| {
-        let is_single = !matches!(value.get_ref(), DeValue::Table(_) | DeValue::Array(_));
-        key == *span || (is_single && value.span() == *span)
-    };
-    let found = table.iter().find(|(key, value)| is_it(key.span(), value));
-    if let Some(key) = found.map(|(key, _)| key.get_ref().to_string()) {
-        return table.remove(key.as_str()).is_some();
-    }
-    table.iter_mut().any(|(_, value)| match value.get_mut() {
-        DeValue::Table(inner) => take_out(inner, span),
-        DeValue::Array(elements) => elements.iter_mut().any(|element| match element.get_mut() {
-            DeValue::Table(inner) => take_out(inner, span),
-            _ => false,
-        }),
-        _ => false,
-    })
 }

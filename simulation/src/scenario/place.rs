@@ -8,25 +8,24 @@ use toml::{
     Spanned,
     de::{DeTable, DeValue},
 };
-use wbqp::config::{ConfigErrorKind, ConfigErrors};
+use wbqp::{
+    config::{ConfigErrorKind, ConfigErrors},
+    input::{Step, TablePath, locate, nearest},
+};
 
 use super::{ScenarioError, change::Events, text::Text};
 use crate::PlantError;
-
-/// A part of a key's path.
-#[derive(Debug, PartialEq, Eq)]
-enum Step<'a> {
-    Key(&'a str),
-    Index(usize),
-}
 
 impl Text<'_> {
     /// The key, with all that it is in, whose value is at a place of the file. Nothing for a table, whose own keys are
     /// what is wrong with it, for what is between values, and for a variation, whose places are its keys.
     pub(super) fn key_of_value(&self, span: &Range<usize>) -> Option<String> {
         let root = DeTable::parse(self.file()).ok()?;
-        let (key, value) = locate(root.get_ref(), span)?;
-        (!matches!(value, DeValue::Table(_))).then_some(key)
+        let path = locate(root.get_ref(), span)?;
+        let value = nearest(root.get_ref(), &path)?;
+        // A key alone, which is wrong itself, has its place before its value.
+        let is_value = !value.get_ref().is_table() && value.span().start <= span.start;
+        is_value.then(|| TablePath(&path).to_string())
     }
 
     /// Where the key of a case's event is that a message begins with, or else the event.
@@ -41,7 +40,7 @@ impl Text<'_> {
             let (tables, events) = self.tables(&cases, cases.index(case)?).ok()?;
             match events {
                 Events::Put => {
-                    let mut path = vec![Step::Key("event"), Step::Index(index)];
+                    let mut path = vec![key("event"), Step::Index(index)];
                     path.extend(steps(message));
                     find(&tables, &path, message)
                 }
@@ -65,14 +64,14 @@ impl Text<'_> {
         else {
             return error;
         };
-        let place = |path: &[Step<'_>], about: &str| {
+        let place = |path: &[Step], about: &str| {
             let span = find(&tables, path, about);
             span.map_or_else(|| self.name().to_owned(), |span| self.place(span.start))
         };
         let whole = |file: String, source: &ConfigErrors| {
             let is_read = |kind| matches!(kind, ConfigErrorKind::Read);
             if source.iter().any(|error| is_read(error.kind)) {
-                return place(&[Step::Key("controller")], "");
+                return place(&[key("controller")], "");
             }
             let start = name.span().start;
             if file == self.name() {
@@ -105,21 +104,21 @@ impl Text<'_> {
                 places: match source.as_ref() {
                     PlantError::Config { problems } => {
                         let place = |problem: &String| {
-                            let mut path = vec![Step::Key(table)];
+                            let mut path = vec![key(table)];
                             path.extend(steps(problem));
                             place(&path, "")
                         };
                         problems.iter().map(place).collect()
                     }
                     PlantError::State(what) if what.starts_with("joint") => {
-                        vec![place(&[Step::Key("initial"), Step::Key("joints")], what)]
+                        vec![place(&[key("initial"), key("joints")], what)]
                     }
-                    PlantError::State(what) => vec![place(&[Step::Key("initial")], what)],
+                    PlantError::State(what) => vec![place(&[key("initial")], what)],
                     PlantError::Stiff { .. } => {
-                        vec![place(&[Step::Key("plant"), Step::Key("step")], "")]
+                        vec![place(&[key("plant"), key("step")], "")]
                     }
                     PlantError::Mismatch(_) => {
-                        vec![place(&[Step::Key("plant"), Step::Key("mismatch")], "")]
+                        vec![place(&[key("plant"), key("mismatch")], "")]
                     }
                     _ => Vec::new(),
                 },
@@ -146,8 +145,12 @@ impl Text<'_> {
     }
 }
 
+fn key(key: &str) -> Step {
+    Step::Key(key.to_owned())
+}
+
 /// The path that a message begins with: of ``wall[0] `door`: friction: is -1`` the key `friction` of the first wall.
-fn steps(message: &str) -> Vec<Step<'_>> {
+fn steps(message: &str) -> Vec<Step> {
     let mut path = Vec::new();
     let mut rest = message;
     loop {
@@ -157,7 +160,7 @@ fn steps(message: &str) -> Vec<Step<'_>> {
         if key.is_empty() {
             return path;
         }
-        path.push(Step::Key(key));
+        path.push(self::key(key));
         rest = behind;
         while let Some((index, behind)) = rest.strip_prefix('[').and_then(|r| r.split_once(']')) {
             let Ok(index) = index.parse() else {
@@ -176,16 +179,16 @@ fn steps(message: &str) -> Vec<Step<'_>> {
 
 /// The value at the end of a path, or of as much of it as is there; nothing if none of it is. In a table at its end the
 /// key that `about` names first.
-fn find(root: &DeTable<'_>, path: &[Step<'_>], about: &str) -> Option<Range<usize>> {
+fn find(root: &DeTable<'_>, path: &[Step], about: &str) -> Option<Range<usize>> {
     let Some((Step::Key(key), rest)) = path.split_first() else {
         let named = about.split('`').nth(1)?;
         return Some(root.get_key_value(named)?.0.span());
     };
-    let (key, value) = root.get_key_value(*key)?;
+    let (key, value) = root.get_key_value(key.as_str())?;
     Some(find_in(value, rest, about).unwrap_or_else(|| key_or_value(key.span(), value)))
 }
 
-fn find_in(value: &Spanned<DeValue<'_>>, path: &[Step<'_>], about: &str) -> Option<Range<usize>> {
+fn find_in(value: &Spanned<DeValue<'_>>, path: &[Step], about: &str) -> Option<Range<usize>> {
     match (value.get_ref(), path.split_first()) {
         (DeValue::Table(table), _) => find(table, path, about),
         (DeValue::Array(list), Some((Step::Index(index), rest))) => {
@@ -194,36 +197,6 @@ fn find_in(value: &Spanned<DeValue<'_>>, path: &[Step<'_>], about: &str) -> Opti
         }
         _ => None,
     }
-}
-
-/// The path of the innermost value that contains a place, in words, and the value.
-fn locate<'a, 't>(
-    table: &'a DeTable<'t>,
-    span: &Range<usize>,
-) -> Option<(String, &'a DeValue<'t>)> {
-    table.iter().find_map(|(key, value)| {
-        let (inner, found) = locate_in(value, span)?;
-        Some((format!("{}{inner}", key.get_ref()), found))
-    })
-}
-
-fn locate_in<'a, 't>(
-    value: &'a Spanned<DeValue<'t>>,
-    span: &Range<usize>,
-) -> Option<(String, &'a DeValue<'t>)> {
-    let inner = match value.get_ref() {
-        DeValue::Table(table) => {
-            locate(table, span).map(|(path, value)| (format!(".{path}"), value))
-        }
-        DeValue::Array(elements) => elements.iter().enumerate().find_map(|(index, element)| {
-            let (path, value) = locate_in(element, span)?;
-            Some((format!("[{index}]{path}"), value))
-        }),
-        _ => None,
-    };
-    let own = value.span();
-    let is_here = own.start <= span.start && span.end <= own.end;
-    inner.or_else(|| is_here.then(|| (String::new(), value.get_ref())))
 }
 
 /// Tables are where their names are, which are in their headers.
@@ -240,20 +213,20 @@ mod tests {
 
     #[test]
     fn a_path_is_read_off_a_message() {
-        use Step::{Index, Key};
+        use Step::Index;
         for (message, path) in [
-            ("duration: is 0 s", vec![Key("duration")]),
+            ("duration: is 0 s", vec![key("duration")]),
             (
                 "initial.joints: the robot has no joint `a.b`",
-                vec![Key("initial"), Key("joints")],
+                vec![key("initial"), key("joints")],
             ),
             (
                 "wall[1] `a: b`: friction: is -1",
-                vec![Key("wall"), Index(1), Key("friction")],
+                vec![key("wall"), Index(1), key("friction")],
             ),
             (
                 "force_torque[0].cutoff: is 0",
-                vec![Key("force_torque"), Index(0), Key("cutoff")],
+                vec![key("force_torque"), Index(0), key("cutoff")],
             ),
             ("", vec![]),
         ] {

@@ -135,7 +135,7 @@ fn unknown_keys() {
     );
 }
 
-/// One mistake hides none of the others, but for what is missing: it may have been meant.
+/// One mistake hides none of the others, but for what its own table lacks: it may have been meant.
 #[test]
 fn several_mistakes_are_told_at_once() {
     let plant = "command_delay, contact_point, disturbance, friction_speed, mismatch, servo, step, tolerance, wall";
@@ -151,6 +151,14 @@ fn several_mistakes_are_told_at_once() {
         .replacen("step = 0.00025", "stepp = 0.00025\ndelay = 1", 1)
         .replacen("weight.contact", "weigth.contact", 1);
     assert_eq!(scenario(&wrong).err(), Some(expected));
+    let lacking = GOOD
+        .replacen("duration = 2.0", "duration = \"long\"", 1)
+        .replacen("frame = \"base_link\"\n", "", 1)
+        .replacen("at = 1.0\n", "", 1);
+    let expected = "s.toml:3:12: duration: invalid type: string \"long\", expected a number\n\
+                    s.toml:23:1: key `frame` is missing\n\
+                    s.toml:39:1: key `at` is missing";
+    assert_eq!(scenario(&lacking).err().as_deref(), Some(expected));
     let keys: Vec<String> = (0..50).map(|i| format!("key_{i} = {i}\n")).collect();
     let message = scenario(&replaced("step = 0.00025\n", &keys.concat())).err();
     assert_eq!(message.map(|message| message.lines().count()), Some(20));
