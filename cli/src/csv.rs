@@ -19,8 +19,18 @@ use crate::output::{self, Existing};
 /// objects around them and their own, `truth/z`. What a message does not have is empty, true is 1 and false 0.
 ///
 /// # Errors
-/// A topic that the log does not have, a message that is not JSON, a file that cannot be written.
-pub(crate) fn write(log: &Log, topics: &[&str], folder: &Path) -> Result<Vec<(PathBuf, usize)>> {
+/// A topic that the log does not have, a message that is not JSON, a file that is there and stays (none is written
+/// then), or that cannot be written.
+pub(crate) fn write(
+    log: &Log,
+    topics: &[&str],
+    folder: &Path,
+    existing: Existing,
+) -> Result<Vec<(PathBuf, usize)>> {
+    let file = |topic: &str| folder.join(format!("{}.csv", stem(topic)));
+    for topic in topics {
+        output::refuse_existing(&file(topic), existing)?;
+    }
     fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
     let mut files: Vec<(PathBuf, usize)> = Vec::new();
     for topic in topics {
@@ -29,7 +39,7 @@ pub(crate) fn write(log: &Log, topics: &[&str], folder: &Path) -> Result<Vec<(Pa
             // Texts alone, such as the robot's description.
             continue;
         }
-        let file = folder.join(format!("{}.csv", stem(topic)));
+        let file = file(topic);
         if files.iter().any(|(other, _)| *other == file) {
             bail!(
                 "{}: two topics would have this file, `{topic}` is the second: write them one by one, with `--topic`",
@@ -37,7 +47,7 @@ pub(crate) fn write(log: &Log, topics: &[&str], folder: &Path) -> Result<Vec<(Pa
             );
         }
         let columns = log.columns(topic, &contents.numbers)?;
-        output::write_with(&file, Existing::IsReplaced, |to| {
+        output::write_with(&file, existing, |to| {
             table(&contents, &columns, to).map_err(Into::into)
         })?;
         files.push((file, contents.times.len()));

@@ -12,7 +12,7 @@ use wbqp_log::{Repaired, RunLock, repair};
 use wbqp_measures::log::Log;
 use wbqp_terminal::{complain, say};
 
-use crate::{csv, text::seconds};
+use crate::{csv, output::Existing, text::seconds};
 
 /// Looks after logs
 #[derive(Args, Debug)]
@@ -50,6 +50,9 @@ pub enum Command {
         /// The folder for the files; `<file>` without its ending, beside it, if absent
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
+        /// Replaces files that are there
+        #[arg(long)]
+        force: bool,
     },
 }
 
@@ -61,19 +64,29 @@ impl Arguments {
     pub fn run(&self) -> Result<ExitCode> {
         match &self.command {
             Command::Repair { file, output } => repaired(file, output.as_ref()),
-            Command::Csv { file, topics, out } => tables(file, topics, out.as_ref()),
+            Command::Csv {
+                file,
+                topics,
+                out,
+                force,
+            } => tables(file, topics, out.as_ref(), Existing::of_force(*force)),
         }
     }
 }
 
-fn tables(file: &Path, topics: &[String], out: Option<&PathBuf>) -> Result<ExitCode> {
+fn tables(
+    file: &Path,
+    topics: &[String],
+    out: Option<&PathBuf>,
+    existing: Existing,
+) -> Result<ExitCode> {
     let log = Log::open(file).with_context(|| file.display().to_string())?;
     let topics: Vec<&str> = match topics {
         [] => log.topics().collect(),
         topics => topics.iter().map(String::as_str).collect(),
     };
     let folder = out.cloned().unwrap_or_else(|| file.with_extension(""));
-    for (table, rows) in csv::write(&log, &topics, &folder)? {
+    for (table, rows) in csv::write(&log, &topics, &folder, existing)? {
         say!("{}: {rows} rows", table.display());
     }
     Ok(ExitCode::SUCCESS)

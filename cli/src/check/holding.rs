@@ -3,6 +3,7 @@
 use serde::Serialize;
 use wbqp::{
     Controller,
+    actuator::ActuatorKind,
     controller::FallbackLevel,
     dynamics::{Data, frame_motion},
     fault::Fault,
@@ -96,6 +97,9 @@ pub struct FirstTick {
     /// With which the base of a robot that should stand begins to move, m/s².
     #[serde(skip_serializing_if = "Option::is_none")]
     pub falls: Option<f64>,
+    /// What gravity asks of the motors of a robot with a fixed base that give next to nothing of it, in words.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unheld: Option<String>,
     /// A task or constraint that wrote coefficients which its layout does not declare.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub undeclared: Option<String>,
@@ -120,6 +124,9 @@ const NEGLIGIBLE: f64 = 1e-4;
 
 /// A robot whose base accelerates less at home, m/s², stands: regularisation leaves a little.
 const STANDS: f64 = 0.1;
+
+/// Motors that give less than this share of what gravity asks of each of them hold nothing.
+const IDLE: f64 = 0.01;
 
 impl Holding {
     /// Of a robot alone, by the command that a controller without tasks has before its first tick.
@@ -185,6 +192,12 @@ impl Holding {
                 holding.means = Means::Stand;
             }
         }
+        let unheld = match holding.means {
+            Means::GravityCompensation if !stands => {
+                unheld(controller.robot(), &measurement.state, &effort)
+            }
+            _ => None,
+        };
         let names = controller.contact_names();
         let forces = controller.report().contacts.iter();
         let on = names.zip(forces).filter(|(_, contact)| contact.on);
@@ -202,6 +215,7 @@ impl Holding {
             falls: (stands && controller.robot().model.base() == Base::Floating)
                 .then_some(acceleration)
                 .filter(|a| *a > STANDS),
+            unheld,
             contacts: on
                 .map(|(name, contact)| (name.to_owned(), contact.solution[2]))
                 .collect(),
@@ -245,6 +259,9 @@ impl Holding {
                 tick.place,
                 number(acceleration)
             ));
+        }
+        if let Some(unheld) = &tick.unheld {
+            faults.push(format!("nothing holds it up {}: {unheld}", tick.place));
         }
         // A joint without a motor may hang as it likes.
         let on_base = |missing: &&Missing| missing.coordinate.contains("on the base");
@@ -340,6 +357,38 @@ fn off_surface(controller: &Controller) -> Vec<(String, f64)> {
         .iter()
         .map(|(name, normal, height)| ((*name).to_owned(), height - lowest(normal)));
     above.filter(|(_, above)| *above > TOUCHES).collect()
+}
+
+/// What gravity asks of motors, if all of them give next to nothing of it: no task acts on them.
+fn unheld(robot: &RobotModel, state: &State, command: &[f64]) -> Option<String> {
+    let mut data = Data::new(&robot.model);
+    data.update(&robot.model, state);
+    let weight = robot.model.mass() * robot.model.gravity().norm();
+    let motors = robot.actuators.iter().zip(command);
+    let asked = motors.filter_map(|(actuator, &given)| {
+        let ActuatorKind::Joint(motor) = &actuator.kind else {
+            return None;
+        };
+        let asked = data.gravity()[robot.model.velocity_index(motor.joint).index()];
+        (asked.abs() > NEGLIGIBLE * weight).then_some((actuator, asked, given))
+    });
+    let asked: Vec<_> = asked.collect();
+    if asked
+        .iter()
+        .any(|(_, asked, given)| given.abs() > IDLE * asked.abs())
+    {
+        return None;
+    }
+    let (actuator, asked, given) = asked
+        .into_iter()
+        .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+    let unit = effort_unit(&robot.model, actuator);
+    Some(format!(
+        "gravity asks {} {unit} of `{}`, and the first tick gives {}: is a task on, with a weight above 0?",
+        number(asked),
+        actuator.name,
+        number(given)
+    ))
 }
 
 fn efforts(robot: &RobotModel, command: &[f64]) -> Vec<Effort> {

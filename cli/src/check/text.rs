@@ -393,6 +393,9 @@ fn holding_text(holding: &Holding, out: &mut String) {
                 number(acceleration)
             );
         }
+        if let Some(unheld) = &tick.unheld {
+            let _ = writeln!(out, "  nothing holds it up: {unheld}");
+        }
         if let Some(why) = &tick.why {
             out.push_str(&indented(why, "    "));
         }

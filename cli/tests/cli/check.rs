@@ -418,6 +418,40 @@ fn a_controller_that_does_not_work_where_it_begins_fails() {
     );
 }
 
+/// Its first tick is optimal, and the arm falls.
+#[test]
+fn an_arm_that_no_task_holds_up_is_told() {
+    let folder = Temporary::new("unheld");
+    let urdf = concat!(
+        r#"<robot name="arm"><link name="base"/><link name="rod"><inertial><origin xyz="0.3 0 0"/><mass value="2"/>"#,
+        r#"<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>"#,
+        r#"<joint name="elbow" type="revolute"><parent link="base"/><child link="rod"/><axis xyz="0 1 0"/>"#,
+        r#"<limit lower="-1" upper="1" effort="50" velocity="3"/></joint></robot>"#,
+    );
+    fs::write(folder.file("arm.urdf"), urdf).unwrap();
+    let controller = |tasks: &str| {
+        let file = folder.file("arm.controller.toml");
+        let text = format!(
+            "[controller]\nrate = 500\n[robot]\nfile = \"arm.urdf\"\nbase = \"fixed\"\n{tasks}"
+        );
+        fs::write(&file, text).unwrap();
+        wbqp(&["check", &file])
+    };
+    let posture = "[[task]]\ntype = \"posture\"\nkp = 50.0\n";
+    for tasks in [
+        "",
+        &format!("{posture}weight = 0\n"),
+        &format!("{posture}weight = 1\nactive = false\n"),
+    ] {
+        let done = controller(tasks);
+        assert_eq!(done.code, 1, "{}", done.stdout);
+        let words = "nothing holds it up at home: gravity asks -5.886 N·m of `elbow`";
+        assert!(done.stderr.contains(words), "{}", done.stderr);
+    }
+    let done = controller(&format!("{posture}weight = 1\n"));
+    assert_eq!((done.code, done.stderr.as_str()), (0, ""));
+}
+
 #[test]
 fn where_frames_are_at_home_is_told() {
     let stand = "examples/scenarios/quadruped_stand.controller.toml";

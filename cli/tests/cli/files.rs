@@ -386,6 +386,14 @@ fn a_log_is_written_as_csv() {
     let (header, rows) = names("qp.csv");
     let level = header.iter().position(|name| name == "level").unwrap();
     assert!(rows.iter().all(|row| &row[level] == "optimal"));
+    // Files that are there stay, all of them.
+    fs::remove_file(tables.join("plant.csv")).unwrap();
+    let again = wbqp(&["log", "csv", &log]);
+    assert_eq!(again.code, 1);
+    assert!(again.stderr.contains("--force"), "{}", again.stderr);
+    assert!(!tables.join("plant.csv").exists());
+    assert_eq!(wbqp(&["log", "csv", &log, "--force"]).code, 0);
+    assert!(tables.join("plant.csv").exists());
     // What is a text alone is no table; a topic that is not there is refused with those that are.
     assert!(!tables.join("robot_description.csv").exists());
     let done = wbqp(&["log", "csv", &log, "--topic", "/contact/nobody"]);

@@ -206,6 +206,7 @@ impl<'k> Saved<'k> {
                 self.log.attach(&header.name, &header.media_type, &data)?;
             }
             Record::DataEnd(_) => self.in_index = true,
+            Record::Footer(_) => self.in_index = false,
             Record::Statistics(statistics) => self.said = Some(statistics.message_count),
             _ => {}
         }

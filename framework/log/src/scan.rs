@@ -79,9 +79,16 @@ impl<'a> Scan<'a> {
     fn may_begin(&self, at: usize) -> bool {
         match self.file.get(at) {
             None => true,
+            Some(_) if self.is_other_file(at) => true,
             Some(&kind) if is_kind(kind) => !self.has_end || record(self.file, at).is_some(),
             Some(_) => false,
         }
+    }
+
+    /// Whether another log was put behind this one. Its channels have the ids of others.
+    fn is_other_file(&self, at: usize) -> bool {
+        let rest = self.file.get(at..);
+        rest.is_some_and(|rest| rest.starts_with(MAGIC))
     }
 
     /// Where the next chunk begins whose lengths are right.
@@ -155,6 +162,10 @@ impl<'a> Iterator for Scan<'a> {
         let left = self.file.len().saturating_sub(self.at);
         if left == 0 {
             return None;
+        }
+        if self.is_other_file(self.at) {
+            let end = self.file.len();
+            return Some(self.damaged("the log ends here, and what was put behind its end is left out", end));
         }
         let Some((kind, body)) = record(self.file, self.at) else {
             if let Some(next) = self.chunk_after(self.at + 1) {

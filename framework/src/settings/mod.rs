@@ -127,6 +127,9 @@ fn default_velocity_leak() -> f64 {
     0.5
 }
 
+/// Hz. A simulation of a rate far above would not end.
+const FASTEST: f64 = 1e6;
+
 impl Settings {
     /// Defaults at a rate in Hz.
     pub fn at_rate(rate: f64) -> Self {
@@ -187,7 +190,18 @@ impl Settings {
         ]
         .into_iter()
         .filter(|(_, value, allowed, _)| !value.is_finite() || !allowed)
-        .map(|(key, value, _, rule)| (key, format!("must be finite and {rule}, is {value}")))
+        .map(move |(key, value, _, rule)| {
+            // Of a value that nobody wrote the rate is what is wrong.
+            let rule = match key {
+                "velocity_leak" if rate_is_good => format!("{rule} of `rate`, {} s", 1.0 / self.rate),
+                _ => rule.to_owned(),
+            };
+            (key, format!("must be finite and {rule}, is {value}"))
+        })
+        .chain((self.rate.is_finite() && self.rate > FASTEST).then(|| {
+            let rate = self.rate;
+            ("rate", format!("must be at most {FASTEST:e} Hz, is {rate:e}: no tick takes less than a microsecond"))
+        }))
         .chain(self.first_error_problems())
         .chain(
             self.observer

@@ -149,6 +149,25 @@ fn settings() {
 }
 
 #[test]
+fn rates_that_no_loop_has() {
+    let rate = |rate: &str| {
+        let mut messages = messages(&format!(
+            "[controller]\nrate = {rate}\n[robot]\ntype = \"test.robot\"\n"
+        ));
+        messages.remove(0)
+    };
+    assert_eq!(
+        rate("2e6"),
+        "x.toml:2:8: controller: rate: must be at most 1e6 Hz, is 2e6: no tick takes less than a microsecond"
+    );
+    // The leak is the default's.
+    assert_eq!(
+        rate("1"),
+        "x.toml:1:1: controller: velocity_leak: must be finite and at least one period of `rate`, 1 s, is 0.5"
+    );
+}
+
+#[test]
 fn robot_and_solver() {
     assert_eq!(
         messages(

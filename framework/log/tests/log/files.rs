@@ -119,6 +119,27 @@ fn a_log_that_is_cut_anywhere_is_saved_up_to_its_last_chunk() {
     assert_eq!(summary.schemas.len(), 2);
 }
 
+/// The channels of the second have the ids of the first's, whatever they are.
+#[test]
+fn of_two_logs_end_to_end_the_first_is_saved_and_the_second_is_told() {
+    let folder = Folder::new("two");
+    let path = folder.file("a.mcap");
+    write(&path);
+    let whole = fs::read(&path).unwrap();
+    let (both, saved) = (folder.file("both.mcap"), folder.file("saved.mcap"));
+    fs::write(&both, whole.repeat(2)).unwrap();
+    let found = repair(&both, &saved).unwrap();
+    assert!(
+        messages(&fs::read(&saved).unwrap()) == messages(&whole),
+        "{found:?}"
+    );
+    assert!(!found.was_whole && !found.is_index_alone, "{found:?}");
+    let damage = found.damage.expect("is told");
+    // Behind the end of the first there are the eight bytes with which it ends.
+    assert_eq!(damage.at, whole.len() as u64 - 8);
+    assert!(damage.what.contains("behind its end"), "{damage}");
+}
+
 /// Of four seconds on two channels: 800 messages in 8 chunks.
 #[test]
 fn of_a_log_with_a_bit_of_another_value_all_but_its_chunk_is_saved() {
