@@ -183,7 +183,7 @@ impl Check<'_, '_> {
                 Some("the task's") => unit,
                 own => own,
             };
-            let odd = own.zip(number(value));
+            let odd = own.zip(largest_of(value));
             if let Some(remark) = odd.and_then(|(unit, number)| unusual(key, number, unit)) {
                 self.say(&at.key(key), value.span(), remark);
             } else {
@@ -356,6 +356,17 @@ impl Check<'_, '_> {
                 "keep weights within {MOST_APART:e} of one another, or make the heavier one `hardness = \"hard\"`"
             ),
         });
+    }
+}
+
+/// The number, or of a list of numbers the one of the largest size.
+fn largest_of(value: &Spanned<DeValue<'_>>) -> Option<f64> {
+    match value.get_ref() {
+        DeValue::Array(elements) => {
+            let numbers = elements.iter().filter_map(number);
+            numbers.max_by(|a, b| a.abs().total_cmp(&b.abs()))
+        }
+        _ => number(value),
     }
 }
 

@@ -109,6 +109,12 @@ pub(super) fn unusual(key: &str, number: f64, unit: &str) -> Option<Remark> {
             "no two materials have a Coulomb coefficient of more than 5",
             "it is a ratio of forces, not in per cent",
         ),
+        // From the origin of the link's frame that carries it.
+        "offset" if unit == "m" => (
+            20.0,
+            "no link is so long",
+            "an `offset` is in its frame's axes, from its frame's origin, in m",
+        ),
         // Of a short contact its `size`, halved.
         "half_length_x" | "half_length_y" => (
             1.0,

@@ -229,6 +229,11 @@ fn what_may_be_a_mistake_is_said_and_taken() {
             "force_max is 1e9 N",
         ),
         (
+            "motion = \"hard\"",
+            "motion = \"hard\"\noffset = [0.0, -9000.0, 0.1]",
+            "offset is -9000: no link is so long",
+        ),
+        (
             "kp = 100.0",
             "kp = 100.0\ntransition = 1e8",
             "transition is 1e8 s: longer than any run",
