@@ -165,7 +165,10 @@ impl<'a> Iterator for Scan<'a> {
         }
         if self.is_other_file(self.at) {
             let end = self.file.len();
-            return Some(self.damaged("the log ends here, and what was put behind its end is left out", end));
+            return Some(self.damaged(
+                "the log ends here, and what was put behind its end is left out",
+                end,
+            ));
         }
         let Some((kind, body)) = record(self.file, self.at) else {
             if let Some(next) = self.chunk_after(self.at + 1) {

@@ -5,7 +5,7 @@ use super::{
     bounds::Plausible,
     command::Gate,
     entry_id::Stamp,
-    fallback::{Age, Clock, Fallback, OnLevel},
+    fallback::Fallback,
     first::FirstTick,
     fit::{Sizes, make_entry, unlimited_moments},
     home,
@@ -15,7 +15,7 @@ use super::{
     names::Names,
     observer::Observer,
     record::MadeFrom,
-    report::{FallbackLevel, Report},
+    report::Report,
     running::RunningPlugin,
     tick::NoStopwatch,
     world::World,
@@ -28,10 +28,13 @@ use crate::{
         EntryState, Setup, storage::RowStore,
     },
     problem::{BoundEntry, Partition, Problem, ProblemRows, Relaxation, Table, VariableNames},
-    qp::{ActiveSet, Capacity, Qp, QpSolver as _, Solution, Solver, WarmStart},
+    qp::{ActiveSet, Capacity, Qp, QpSolver as _, Solution, Solver},
     settings::{MeasurementLimits, Settings},
 };
-use wbqp_dynamics::{Actuation, model::FrameId};
+use wbqp_dynamics::{
+    Actuation,
+    model::{FrameId, Model},
+};
 use wbqp_robot_model::RobotModel;
 
 /// What a controller is made of beside its robot.
@@ -170,14 +173,7 @@ impl Bound {
         home::stand_on_contacts(&mut robot, &contacts);
         let model = robot.model.clone();
 
-        let mut bindings = Vec::new();
-        for (index, spec) in contacts.iter().enumerate() {
-            match ContactBinding::new(spec, &model, period) {
-                Ok(binding) => bindings.push(binding),
-                Err(error) => misfits.contact(index, &spec.name, error),
-            }
-        }
-
+        let bindings = bind_contacts(&contacts, &model, period, &mut misfits);
         let actuation = Actuation::new(&model, &robot.actuators);
         let formulation = settings.formulation.resolve(&robot);
         let names = VariableNames::new(&robot, &contacts);
@@ -214,14 +210,10 @@ impl Bound {
             sizes,
             ..
         } = binder;
-        let mut setup = Setup::new(&robot, &contacts, period, &mut frame_ids);
-        let law = fallback.bind_any(&mut setup).and_then(|law| {
-            if setup.into_references().is_empty() {
-                Ok(law)
-            } else {
-                Err(BindError::Other("a law follows no reference".to_owned()))
-            }
-        });
+        let law = bind_law(
+            &*fallback,
+            Setup::new(&robot, &contacts, period, &mut frame_ids),
+        );
         let law = law.map_err(|error| misfits.fallback(fallback.typetag_name(), error));
         if misfits.is_empty() {
             for (index, error) in unlimited_moments(&contacts, &entries[tasks.len()..]) {
@@ -318,14 +310,7 @@ impl Bound {
         let model = robot.model.clone();
         let period = 1.0 / settings.rate;
         let solver_tag = solver.typetag_name();
-        for entry in &mut entries {
-            let store = RowStore::new(&entry.layout, sizes.nv, sizes.nu, &sizes.nf);
-            entry.store = if entry.is_equality() {
-                store
-            } else {
-                store.without_limits()
-            };
-        }
+        allocate(&mut entries, &sizes);
         let names = VariableNames::new(&robot, &contacts);
         let mut native = ActiveSet::by_reflections();
         let kept = partition.kept.iter().map(|&i| &robot.actuators[i]);
@@ -351,24 +336,7 @@ impl Bound {
         let relaxed = relaxation.qp.capacity();
         misfits.solver("active_set", native.bind(relaxed).map_err(BindError::from));
         let tags: Vec<&'static str> = plugins.iter().map(|plugin| plugin.tag).collect();
-        let is_native = (&*solver as &dyn std::any::Any).is::<ActiveSet>();
-        let fallback = Fallback {
-            level: FallbackLevel::Safe,
-            on_level: OnLevel::default(),
-            law,
-            hover: vec![0.0; sizes.nu],
-            solution: Solution::new(relaxed),
-            warm: WarmStart::with_capacity(relaxed.vars),
-            proof: WarmStart::with_capacity(relaxed.vars + 1),
-            since_proof: 0,
-            is_proven: false,
-            solver: native,
-            is_native,
-            without_solution: Age::default(),
-            without_state: Age::default(),
-            clock: Clock::default(),
-            relaxation,
-        };
+        let fallback = Fallback::new(law, relaxation, native, &*solver, sizes.nu);
         let first = FirstTick::new(
             settings.max_first_error,
             &entries[..task_count],
@@ -429,5 +397,42 @@ impl Bound {
         }
         misfits.stop_if_any()?;
         Ok(controller)
+    }
+}
+
+fn bind_contacts(
+    contacts: &[ContactSpec],
+    model: &Model,
+    period: f64,
+    misfits: &mut Misfits,
+) -> Vec<ContactBinding> {
+    let mut bindings = Vec::new();
+    for (index, spec) in contacts.iter().enumerate() {
+        match ContactBinding::new(spec, model, period) {
+            Ok(binding) => bindings.push(binding),
+            Err(error) => misfits.contact(index, &spec.name, error),
+        }
+    }
+    bindings
+}
+
+fn bind_law(law: &dyn AnyFallbackLaw, mut setup: Setup<'_>) -> Result<BoundFallbackLaw, BindError> {
+    let law = law.bind_any(&mut setup)?;
+    if setup.into_references().is_empty() {
+        Ok(law)
+    } else {
+        Err(BindError::Other("a law follows no reference".to_owned()))
+    }
+}
+
+/// Makes the storage of their rows.
+fn allocate(entries: &mut [BoundEntry], sizes: &Sizes) {
+    for entry in entries {
+        let store = RowStore::new(&entry.layout, sizes.nv, sizes.nu, &sizes.nf);
+        entry.store = if entry.is_equality() {
+            store
+        } else {
+            store.without_limits()
+        };
     }
 }

@@ -3,7 +3,7 @@
 
 use super::{
     Command, Controller, FallbackLevel, Measurement, Report,
-    fallback::{elapsed, is_continuous},
+    fallback::{Moment, Pace, elapsed, is_continuous},
     record::{Record, recall_rows, record_inputs, record_outcome, record_rows},
 };
 use crate::{
@@ -48,9 +48,16 @@ impl Controller {
         self.fallback.without_state.pass();
         let mut last = self.fallback.without_state.time();
         let period = self.world.period;
-        let since_last_tick = elapsed(measurement.time, self.fallback.clock.previous, period);
+        let now = Moment {
+            stamp: measurement.time,
+            since_last_tick: elapsed(measurement.time, self.fallback.clock.previous, period),
+        };
         let clock = &mut self.fallback.clock;
-        if clock.was_set(measurement.time, last, [period, self.plausible.gap]) {
+        let pace = Pace {
+            period,
+            max_gap: self.plausible.gap,
+        };
+        if clock.was_set(measurement.time, last, pace) {
             self.world.rebase(measurement.time);
             let unseen = self.fallback.without_state.seconds(f64::NAN, period);
             self.plausible.restart(measurement.time - unseen);
@@ -58,7 +65,7 @@ impl Controller {
         }
         self.world.elapsed = elapsed(measurement.time, last, period);
         self.world.is_continuous = is_continuous(measurement.time, last, period);
-        self.world.slew_time = since_last_tick.min(period);
+        self.world.slew_time = now.since_last_tick.min(period);
         self.gate
             .open(&self.robot, &self.command, self.world.slew_time);
         let outcome = match self.fault(measurement, last) {
@@ -78,7 +85,7 @@ impl Controller {
                 &self.robot,
                 &self.settings,
                 &self.world,
-                [measurement.time, since_last_tick],
+                now,
                 &mut self.command,
             ),
         };

@@ -29,12 +29,26 @@ pub(in super::super) struct Clock {
     pub(in super::super) steady: u32,
 }
 
+/// Times between usable stamps, s: what is meant, and the longest that is taken.
+#[derive(Clone, Copy, Debug)]
+pub(in super::super) struct Pace {
+    pub(in super::super) period: f64,
+    pub(in super::super) max_gap: f64,
+}
+
+/// When a tick is, s.
+#[derive(Clone, Copy, Debug)]
+pub(in super::super) struct Moment {
+    pub(in super::super) stamp: f64,
+    pub(in super::super) since_last_tick: f64,
+}
+
 impl Clock {
     const STEADY: u32 = 10;
 
-    /// Takes a stamp; true if the clock was set. `last` is the last usable stamp, `bounds` the period and `max_gap`.
-    pub(crate) fn was_set(&mut self, stamp: f64, last: Option<f64>, bounds: [f64; 2]) -> bool {
-        let [period, max_gap] = bounds;
+    /// Takes a stamp; true if the clock was set. `last` is the last usable stamp.
+    pub(crate) fn was_set(&mut self, stamp: f64, last: Option<f64>, pace: Pace) -> bool {
+        let Pace { period, max_gap } = pace;
         let goes_on = self.previous.is_some_and(|previous| {
             let step = stamp - previous;
             step > 0.0 && step < 10.0 * period

@@ -12,13 +12,13 @@ mod clock;
 mod relaxed;
 mod unsolved;
 
-pub(super) use clock::{Age, Clock, OnLevel, elapsed, is_continuous};
+pub(super) use clock::{Age, Clock, Moment, OnLevel, Pace, elapsed, is_continuous};
 
 use super::report::FallbackLevel;
 use crate::{
     plugin::BoundFallbackLaw,
     problem::Relaxation,
-    qp::{ActiveSet, Solution, WarmStart},
+    qp::{ActiveSet, Solution, Solver, WarmStart},
 };
 
 /// The fallback levels, and what they need, in storage made once.
@@ -47,4 +47,35 @@ pub(super) struct Fallback {
     pub(super) without_solution: Age,
     pub(super) without_state: Age,
     pub(super) clock: Clock,
+}
+
+impl Fallback {
+    /// Before the first tick, for `efforts` actuators. `of` is the controller's own
+    /// solver.
+    pub(super) fn new(
+        law: BoundFallbackLaw,
+        relaxation: Relaxation,
+        solver: ActiveSet,
+        of: &dyn Solver,
+        efforts: usize,
+    ) -> Self {
+        let relaxed = relaxation.qp.capacity();
+        Self {
+            level: FallbackLevel::Safe,
+            on_level: OnLevel::default(),
+            law,
+            hover: vec![0.0; efforts],
+            solution: Solution::new(relaxed),
+            warm: WarmStart::with_capacity(relaxed.vars),
+            proof: WarmStart::with_capacity(relaxed.vars + 1),
+            since_proof: 0,
+            is_proven: false,
+            solver,
+            is_native: (of as &dyn std::any::Any).is::<ActiveSet>(),
+            without_solution: Age::default(),
+            without_state: Age::default(),
+            clock: Clock::default(),
+            relaxation,
+        }
+    }
 }

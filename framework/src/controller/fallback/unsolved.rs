@@ -1,6 +1,6 @@
 //! A command without a solution: the last efforts, kept for a short time, and then a law that needs no solver.
 
-use super::{Age, Fallback};
+use super::{Age, Fallback, Moment};
 use crate::{
     controller::{Command, output::leaked, report::FallbackLevel, world::World},
     fault::Fault,
@@ -11,22 +11,21 @@ use wbqp_dynamics::{model::Model, state::State};
 use wbqp_robot_model::RobotModel;
 
 impl Fallback {
-    /// Writes a command for a tick with a fault at a time stamp, so many seconds after the last one; says from which
-    /// level.
+    /// Writes a command for a tick with a fault; says from which level.
     pub(in super::super) fn command(
         &mut self,
         fault: Fault,
         robot: &RobotModel,
         settings: &Settings,
         world: &World,
-        [time, since_last_tick]: [f64; 2],
+        now: Moment,
         command: &mut Command,
     ) -> FallbackLevel {
         let period = world.period;
         let time = if fault.is_of_the_stamp() {
             f64::NAN
         } else {
-            time
+            now.stamp
         };
         let age = self.without_solution.seconds(time, period);
         // Periods do not add up exactly.
@@ -41,7 +40,7 @@ impl Fallback {
             if changed {
                 command.engage(model, state);
             }
-            command.coast(model, state, since_last_tick, settings.velocity_leak);
+            command.coast(model, state, now.since_last_tick, settings.velocity_leak);
             return level;
         }
         let tick = world.tick(EntryState::ON);
