@@ -6,7 +6,7 @@ use wbqp::robot::{Diagnostic, Severity, SourceLocation};
 
 use super::{
     examination::{BodyFacts, ControllerFacts, Examination, JointFacts, MimicFacts, Robot},
-    holding::{Holding, Means, SPENT},
+    holding::{FirstTick, Holding, Means, SPENT},
 };
 use crate::text::{indented, number, per_cent, quantity, table, wrapped};
 
@@ -297,7 +297,6 @@ fn thousandths(x: f64) -> String {
 }
 
 fn holding_text(holding: &Holding, out: &mut String) {
-    let is_fixed = holding.means == Means::GravityCompensation;
     let weight = number(holding.weight);
     let title = match holding.means {
         Means::GravityCompensation => "Holding still at home: gravity compensation".to_owned(),
@@ -368,36 +367,39 @@ fn holding_text(holding: &Holding, out: &mut String) {
         );
     }
     if let Some(tick) = &holding.first_tick {
-        for (name, force) in &tick.contacts {
-            let _ = writeln!(out, "  contact `{name}`: {} N normal force", number(*force));
-        }
-        for (name, above) in &tick.off_surface {
-            let _ = writeln!(
-                out,
-                "  contact `{name}` is {} m above its surface at home{}: it does not touch; is its frame the right \
-                 one?",
-                number(*above),
-                if is_fixed {
-                    ""
-                } else {
-                    ", where the others on parallel surfaces are"
-                }
-            );
-        }
-        let _ = writeln!(out, "  first tick {}: {}", tick.place, tick.level);
-        if let Some(acceleration) = tick.falls {
-            let _ = writeln!(
-                out,
-                "  it does NOT stand: its base accelerates by {} m/s²; are torque and force limits enough, are the \
-                 contacts below it?",
-                number(acceleration)
-            );
-        }
-        if let Some(unheld) = &tick.unheld {
-            let _ = writeln!(out, "  nothing holds it up: {unheld}");
-        }
-        if let Some(why) = &tick.why {
-            out.push_str(&indented(why, "    "));
-        }
+        first_tick_text(tick, holding.means, out);
+    }
+}
+
+fn first_tick_text(tick: &FirstTick, means: Means, out: &mut String) {
+    for (name, force) in &tick.contacts {
+        let _ = writeln!(out, "  contact `{name}`: {} N normal force", number(*force));
+    }
+    for (name, above) in &tick.off_surface {
+        let _ = writeln!(
+            out,
+            "  contact `{name}` is {} m above its surface at home{}: it does not touch; is its frame the right \
+             one?",
+            number(*above),
+            match means {
+                Means::GravityCompensation => "",
+                _ => ", where the others on parallel surfaces are",
+            }
+        );
+    }
+    let _ = writeln!(out, "  first tick {}: {}", tick.place, tick.level);
+    if let Some(acceleration) = tick.falls {
+        let _ = writeln!(
+            out,
+            "  it does NOT stand: its base accelerates by {} m/s²; are torque and force limits enough, are the \
+             contacts below it?",
+            number(acceleration)
+        );
+    }
+    if let Some(unheld) = &tick.unheld {
+        let _ = writeln!(out, "  nothing holds it up: {unheld}");
+    }
+    if let Some(why) = &tick.why {
+        out.push_str(&indented(why, "    "));
     }
 }

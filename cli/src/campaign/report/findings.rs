@@ -114,40 +114,16 @@ impl Findings {
             ends.push(end.map_or(u8::MAX, |end| end as u8));
         })?;
         let is_simulated = |position: usize| usize::from(ends[position]) != REFUSED;
-        let mut missed: Vec<u16> = vec![0; part.count];
-        let mut excess: Vec<f32> = vec![0.0; part.count];
-        let mut measures = Vec::new();
-        for column in columns {
-            let numbers = part.numbers(&format!("measure.{}", column.name))?;
-            let values = numbers.iter().filter(|number| !number.is_nan()).count();
+        let mut misses = Misses {
+            missed: vec![0; part.count],
+            excess: vec![0.0; part.count],
+        };
+        let measures = columns.iter().map(|column| {
             let simulated = part.count - ended[REFUSED];
-            let quantiles = quantiles(numbers, [0.05, 0.5, 0.95]);
-            let mut least_covered = None;
-            if column.gaps != Gaps::NoValue {
-                let covered = part.numbers(&format!("covered.{}", column.name))?;
-                least_covered = covered.into_iter().reduce(f64::min);
-            }
-            let mut share = None;
-            if column.is_judged {
-                let verdicts: Vec<bool> = verdicts(part, column)?.collect();
-                share = Some(Share::of_all(of_simulated(&verdicts, &is_simulated)));
-                if column.counts {
-                    for (missed, holds) in missed.iter_mut().zip(&verdicts) {
-                        *missed = missed.saturating_add(u16::from(!holds));
-                    }
-                    if verdicts.contains(&false) {
-                        let numbers = part.numbers(&format!("measure.{}", column.name))?;
-                        add_excess(&mut excess, &numbers, &verdicts, quantiles);
-                    }
-                }
-            }
-            measures.push(Measured {
-                holds: share,
-                quantiles,
-                without: simulated.saturating_sub(values),
-                least_covered,
-            });
-        }
+            misses.measured(part, column, simulated, &is_simulated)
+        });
+        let measures: Vec<Measured> = measures.collect::<Result<_>>()?;
+        let Misses { missed, excess } = misses;
         let worse = |position: usize| Badness {
             completed: ends[position] == 0,
             missed: missed[position],
@@ -187,22 +163,10 @@ impl Findings {
         let mut by_measure = Vec::new();
         for (column, measured) in columns.iter().zip(&measures) {
             let is_missed = measured.holds.is_some_and(|share| share.count < share.of);
-            if !column.counts || !is_missed {
-                continue;
+            if column.counts && is_missed {
+                let spreads = spreads(part, column, &effects, &mut worst)?;
+                by_measure.push((column.name.clone(), spreads));
             }
-            let verdicts: Vec<bool> = verdicts(part, column)?.collect();
-            let numbers = part.numbers(&format!("measure.{}", column.name))?;
-            for run in &mut worst {
-                if verdicts.get(run.position) == Some(&false) {
-                    let value = numbers.get(run.position).copied().unwrap_or(f64::NAN);
-                    run.missed.push((column.name.clone(), value));
-                }
-            }
-            drop(numbers);
-            let spreads = effects
-                .iter()
-                .map(|(_, groups)| spread(&groups.shares(verdicts.iter().copied())));
-            by_measure.push((column.name.clone(), spreads.collect()));
         }
         let effects: Vec<Effect> = effects.into_iter().map(|(effect, _)| effect).collect();
         let map = match effects.as_slice() {
@@ -230,6 +194,76 @@ impl Findings {
             worst_completed,
         })
     }
+}
+
+/// How badly each line misses, over all measures.
+struct Misses {
+    /// How many measures do not hold.
+    missed: Vec<u16>,
+    excess: Vec<f32>,
+}
+
+impl Misses {
+    /// What a measure says of a variant's lines; counts what each misses.
+    fn measured(
+        &mut self,
+        part: &Part<'_>,
+        column: &Column,
+        simulated: usize,
+        is_simulated: &impl Fn(usize) -> bool,
+    ) -> Result<Measured> {
+        let numbers = part.numbers(&format!("measure.{}", column.name))?;
+        let values = numbers.iter().filter(|number| !number.is_nan()).count();
+        let quantiles = quantiles(numbers, [0.05, 0.5, 0.95]);
+        let mut least_covered = None;
+        if column.gaps != Gaps::NoValue {
+            let covered = part.numbers(&format!("covered.{}", column.name))?;
+            least_covered = covered.into_iter().reduce(f64::min);
+        }
+        let mut holds = None;
+        if column.is_judged {
+            let verdicts: Vec<bool> = verdicts(part, column)?.collect();
+            holds = Some(Share::of_all(of_simulated(&verdicts, is_simulated)));
+            if column.counts {
+                for (missed, holds) in self.missed.iter_mut().zip(&verdicts) {
+                    *missed = missed.saturating_add(u16::from(!holds));
+                }
+                if verdicts.contains(&false) {
+                    let numbers = part.numbers(&format!("measure.{}", column.name))?;
+                    add_excess(&mut self.excess, &numbers, &verdicts, quantiles);
+                }
+            }
+        }
+        Ok(Measured {
+            holds,
+            quantiles,
+            without: simulated.saturating_sub(values),
+            least_covered,
+        })
+    }
+}
+
+/// How far apart the groups of each effect are in the share with which a measure holds. The worst runs learn what they
+/// miss of it.
+fn spreads(
+    part: &Part<'_>,
+    column: &Column,
+    effects: &[(Effect, Groups)],
+    worst: &mut [WorstRun],
+) -> Result<Vec<f64>> {
+    let verdicts: Vec<bool> = verdicts(part, column)?.collect();
+    let numbers = part.numbers(&format!("measure.{}", column.name))?;
+    for run in worst {
+        if verdicts.get(run.position) == Some(&false) {
+            let value = numbers.get(run.position).copied().unwrap_or(f64::NAN);
+            run.missed.push((column.name.clone(), value));
+        }
+    }
+    drop(numbers);
+    let spreads = effects
+        .iter()
+        .map(|(_, groups)| spread(&groups.shares(verdicts.iter().copied())));
+    Ok(spreads.collect())
 }
 
 impl Map {

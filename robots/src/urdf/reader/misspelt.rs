@@ -1,6 +1,8 @@
 //! Elements and attributes that no URDF has, and that look like one that counts: left out without a word, a slip of a
 //! letter would be another robot.
 
+use std::fmt::Arguments;
+
 use roxmltree::Node;
 use wbqp::suggestion::did_you_mean;
 
@@ -70,7 +72,7 @@ impl Reader<'_, '_> {
             let name = attribute.name();
             self.doubt_name(
                 node,
-                format!("<{}> has `{name}`", tag.name()),
+                format_args!("<{}> has `{name}`", tag.name()),
                 name,
                 attributes,
             );
@@ -80,7 +82,7 @@ impl Reader<'_, '_> {
         };
         for child in node.children().filter(own) {
             let name = child.tag_name().name();
-            self.doubt_name(child, format!("it has <{name}>"), name, children);
+            self.doubt_name(child, format_args!("it has <{name}>"), name, children);
             if children.contains(&name) {
                 self.misspelt(child);
             }
@@ -91,7 +93,7 @@ impl Reader<'_, '_> {
     pub(super) fn doubt_name(
         &mut self,
         node: Node<'_, '_>,
-        what: String,
+        what: Arguments<'_>,
         name: &str,
         known: &[&str],
     ) {

@@ -105,8 +105,8 @@ pub(super) fn read(document: &Document<'_>, findings: &mut Findings<'_>) -> Opti
             },
             tag => {
                 let element = "<robot>".to_owned();
-                let what = format!("it has <{tag}>");
-                Reader { element, findings }.doubt_name(node, what, tag, PARTS);
+                let mut robot = Reader { element, findings };
+                robot.doubt_name(node, format_args!("it has <{tag}>"), tag, PARTS);
             }
         }
     }
