@@ -37,6 +37,9 @@ impl Text<'_> {
         cases: &Cases<'_>,
         root: DeTable<'_>,
     ) -> ScenarioError {
+        if !self.is_read_again() {
+            return self.error(&error);
+        }
         let mut rest = Rest::new(cases.span(), root, Vec::new());
         let mut found = Vec::new();
         loop {
@@ -44,7 +47,7 @@ impl Text<'_> {
                 let start = error.span().map_or(0, |span| span.start);
                 found.push((start, self.error(&error)));
             }
-            if found.len() == MOST || !self.is_read_again() || !rest.take_out(&error) {
+            if found.len() == MOST || !rest.take_out(&error) {
                 break;
             }
             error = match cases.read(rest.left().clone()) {

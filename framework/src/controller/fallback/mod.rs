@@ -50,8 +50,7 @@ pub(super) struct Fallback {
 }
 
 impl Fallback {
-    /// Before the first tick, for `efforts` actuators. `of` is the controller's own
-    /// solver.
+    /// Before the first tick, for so many efforts. `of` is the controller's own solver.
     pub(super) fn new(
         law: BoundFallbackLaw,
         relaxation: Relaxation,
