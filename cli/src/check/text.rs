@@ -254,8 +254,11 @@ fn frames_text(robot: &Robot, out: &mut String) {
     let names: Vec<&BodyFacts> = merged.collect();
     let _ = writeln!(
         out,
-        "\nFrames that can be named: the {} bodies{}",
-        robot.bodies.len(),
+        "\nFrames that can be named: {}{}",
+        match robot.bodies.len() {
+            1 => "the body".to_owned(),
+            n => format!("the {n} bodies"),
+        },
         if names.is_empty() {
             ""
         } else {
