@@ -5,7 +5,7 @@ use std::{
     process::ExitCode,
 };
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::{Args, Subcommand};
 use wbqp::input::size;
 use wbqp_log::{Repaired, RunLock, repair};
@@ -86,6 +86,12 @@ fn tables(
         topics => topics.iter().map(String::as_str).collect(),
     };
     let folder = out.cloned().unwrap_or_else(|| file.with_extension(""));
+    if folder == file {
+        bail!(
+            "{}: has no ending to leave out for the name of a folder; say where with `--out DIR`",
+            file.display()
+        );
+    }
     for (table, rows) in csv::write(&log, &topics, &folder, existing)? {
         say!("{}: {rows} rows", table.display());
     }

@@ -183,7 +183,9 @@ impl Holding {
         let ids = controller
             .contact_names()
             .filter_map(|name| controller.contact(name).ok());
-        let stands = ids.into_iter().any(|id| controller.contact_spec(id).active);
+        let stands = ids.into_iter().any(|id| {
+            controller.contact_spec(id).active || controller.report().contacts[id.index()].on
+        });
         if stands {
             let robot = controller.robot();
             holding.missing.clear();
@@ -365,6 +367,10 @@ fn unheld(robot: &RobotModel, state: &State, command: &[f64]) -> Option<String> 
     data.update(&robot.model, state);
     let weight = robot.model.mass() * robot.model.gravity().norm();
     let motors = robot.actuators.iter().zip(command);
+    // Where a joint may hang as it likes, what holds the others is not what gravity asks of them at rest.
+    if robot.actuators.len() < robot.model.joints().len() {
+        return None;
+    }
     let asked = motors.filter_map(|(actuator, &given)| {
         let ActuatorKind::Joint(motor) = &actuator.kind else {
             return None;

@@ -10,7 +10,7 @@ use wbqp::{
     robot::RobotModel,
 };
 use wbqp_sim::{
-    Plant, Scenario,
+    Plant, Requests, Scenario,
     scenario::{Case, Note},
 };
 
@@ -148,6 +148,13 @@ fn with_config(
             let holding = match kind {
                 Subject::Urdf => Holding::of_robot(&controller),
                 Subject::Controller | Subject::Scenario => {
+                    if let Some(case) = &scenario.case {
+                        let mut requests = Requests::new(case, controller.settings().rate);
+                        while let Some(event) = requests.due(0.0) {
+                            // What is wrong with it was said when the case was read.
+                            let _ = event.apply(&mut controller);
+                        }
+                    }
                     let plant = scenario
                         .case
                         .map(|case| case.make_plant(controller.robot()));

@@ -450,6 +450,52 @@ fn an_arm_that_no_task_holds_up_is_told() {
     }
     let done = controller(&format!("{posture}weight = 1\n"));
     assert_eq!((done.code, done.stderr.as_str()), (0, ""));
+    // What an event switches on before the first tick acts in it.
+    controller(&format!("{posture}weight = 1\nactive = false\n"));
+    let scenario = folder.file("arm.toml");
+    let text = "name = \"arm\"\ncontroller = \"arm.controller.toml\"\nduration = 1.0\n";
+    let (event, case) = (
+        "[[event]]\nat = 0.0\nactivate = [\"posture\"]\n",
+        "[[case]]\nname = \"a\"\n",
+    );
+    fs::write(&scenario, [text, event, case].concat()).unwrap();
+    assert_eq!(wbqp(&["check", &scenario]).code, 0);
+    fs::write(&scenario, [text, case].concat()).unwrap();
+    assert_eq!(wbqp(&["check", &scenario]).code, 1);
+}
+
+/// In the pin of a rod that may swing the force passes through the joint before it, whose motor gives nothing.
+#[test]
+fn an_arm_with_a_joint_without_a_motor_is_not_said_to_fall() {
+    let folder = Temporary::new("swinging");
+    let link = |name: &str| {
+        format!(
+            "<link name='{name}'><inertial><origin xyz='0.3 0 0'/><mass value='2'/><inertia ixx='0.1' ixy='0' ixz='0' \
+             iyy='0.1' iyz='0' izz='0.1'/></inertial></link>"
+        )
+    };
+    let joint = |name: &str, parent: &str, child: &str| {
+        format!(
+            "<joint name='{name}' type='revolute'><parent link='{parent}'/><child link='{child}'/><axis xyz='0 1 0'/>\
+             <limit lower='-1' upper='1' effort='50' velocity='3'/></joint>"
+        )
+    };
+    let urdf = [
+        "<robot name='arm'><link name='base'/>".to_owned(),
+        link("upper").replace("0.3", "0.0"),
+        link("lower"),
+        joint("shoulder", "base", "upper"),
+        joint("elbow", "upper", "lower"),
+        "</robot>".to_owned(),
+    ];
+    fs::write(folder.file("arm.urdf"), urdf.concat()).unwrap();
+    let text = "[controller]\nrate = 500\n[robot]\nfile = \"arm.urdf\"\nbase = \"fixed\"\n\
+                options = { passive = [\"elbow\"] }\n[[task]]\ntype = \"posture\"\njoints = [\"shoulder\"]\nkp = 30.0\n\
+                weight = 1.0\n";
+    let file = folder.file("arm.controller.toml");
+    fs::write(&file, text).unwrap();
+    let done = wbqp(&["check", &file]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
 }
 
 #[test]

@@ -100,12 +100,17 @@ impl<'a> Scan<'a> {
             .find(|&at| record(self.file, at).is_some_and(|(kind, body)| fits(kind, body)))
     }
 
+    /// Goes on at `next`, or where another log begins before.
     fn damaged(&mut self, what: &'static str, next: usize) -> Piece<'a> {
         let damage = Damage {
             at: self.at as u64,
             what,
         };
-        self.at = next;
+        let skipped = self.file.get(self.at + 1..next).unwrap_or_default();
+        let other = skipped
+            .windows(MAGIC.len())
+            .position(|bytes| bytes == MAGIC);
+        self.at = other.map_or(next, |other| self.at + 1 + other);
         Piece::Damaged(damage)
     }
 

@@ -13,6 +13,8 @@ pub(super) struct Findings<'a> {
     diagnostics: Vec<Diagnostic>,
     /// Irregularities of what options may give, with their element.
     doubts: Vec<(Vec<Quantity>, Diagnostic)>,
+    /// Names that were left out as misspelt: where the file is refused, they may be why.
+    slips: Vec<RobotError>,
     /// Wrong names for which a right one was looked for.
     suggested: usize,
 }
@@ -109,6 +111,7 @@ impl<'a> Findings<'a> {
             errors: Vec::new(),
             diagnostics: Vec::new(),
             doubts: Vec::new(),
+            slips: Vec::new(),
             suggested: 0,
         }
     }
@@ -150,6 +153,16 @@ impl<'a> Findings<'a> {
     pub(super) fn repair(&mut self, at: At<'_>, irregularity: Irregularity) {
         let place = self.source.place(at.offset);
         self.repair_elsewhere(place, at.element, irregularity);
+    }
+
+    /// A name that is left out as misspelt.
+    pub(super) fn leave_out(&mut self, at: At<'_>, found: &str) {
+        let slip = self.source.error(at.offset, at.element, found);
+        self.slips.push(slip);
+        self.repair(
+            at,
+            Irregularity::warning(found, "left out").refused_as(found),
+        );
     }
 
     /// The same of another file.
@@ -223,6 +236,12 @@ impl<'a> Findings<'a> {
 
     /// Stops if anything has no meaning.
     pub(super) fn stop_if_any(&mut self) -> Result<(), RobotError> {
+        if self.errors.is_empty() {
+            return Ok(());
+        }
+        if !self.is_strict() {
+            self.errors.splice(0..0, self.slips.drain(..));
+        }
         match RobotError::of(std::mem::take(&mut self.errors)) {
             Some(error) => Err(error),
             None => Ok(()),

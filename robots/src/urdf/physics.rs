@@ -43,10 +43,8 @@ pub(super) fn judge(
 ) -> Result<(), RobotError> {
     let Assembled { model, links } = assembled;
     if model.mass() <= 0.0 {
-        return Err(RobotError::Syntax {
-            place: findings.source.place(0),
-            what: "no link has mass: nothing can move".into(),
-        });
+        findings.refuse_file(0, "no link has mass: nothing can move");
+        return findings.stop_if_any();
     }
     let neutral = State::neutral(model);
     let mut data = Data::new(model);

@@ -1281,6 +1281,49 @@ fn a_slip_of_strict_mode_is_refused() {
     );
 }
 
+/// What is wrong with the file may come from it alone.
+#[test]
+fn a_slip_for_which_the_file_is_refused_is_told_with_that() {
+    let text = arm("revolute", LIMIT);
+    let massless = text.replace("inertial>", "inertail>");
+    refused(
+        &massless,
+        &[
+            "r.urdf:2:",
+            "<inertail>",
+            "did you mean `inertial`?",
+            "no link has mass",
+        ],
+    );
+    let lost = text.replace("<link name=\"arm\">", "<lnik name=\"arm\">");
+    let lost = lost.replacen("</link>\n<joint", "</lnik>\n<joint", 1);
+    refused(
+        &lost,
+        &[
+            "r.urdf:3:",
+            "<lnik>",
+            "did you mean `link`?",
+            "`arm` does not exist",
+        ],
+    );
+}
+
+#[test]
+fn ranges_of_many_turns_are_said() {
+    for (lower, upper) in [("-114", "114"), ("-90", "90"), ("-90", "1.5")] {
+        let limit =
+            format!("<limit lower=\"{lower}\" upper=\"{upper}\" effort=\"5\" velocity=\"3\"/>");
+        warned(
+            &arm("revolute", &limit),
+            &["joint `elbow`", "turns", "angles are in radians"],
+        );
+    }
+    silent(&arm(
+        "revolute",
+        "<limit lower=\"-10\" upper=\"10\" effort=\"5\" velocity=\"3\"/>",
+    ));
+}
+
 #[test]
 fn what_is_too_small_to_move_anything_is_said() {
     for key in ["velocity", "effort"] {
@@ -1301,6 +1344,11 @@ fn millimetres_and_grams_are_said() {
     warned(
         &arm("revolute", &origin),
         &["joint `elbow`", "333 m", "1 mm is 0.001"],
+    );
+    let inside = INERTIAL.replace("<inertial>", "<inertial><origin xyz=\"0 0 200\"/>");
+    warned(
+        &arm_link(&inside),
+        &["r.urdf:3:", "link `arm`", "its centre of mass is 200 m"],
     );
     let grams = arm_link(&inertial("2000", ["0.01", "0.01", "0.01"]));
     warned(
@@ -1324,6 +1372,10 @@ fn what_xacro_has_not_expanded_is_refused_with_the_way_to_do_it() {
     );
     let named = arm("revolute", LIMIT).replace("\"arm\"", "\"$(arg prefix)arm\"");
     refused(&named, &parts);
+    refused(
+        &arm("revolute", LIMIT).replace("\"r\"", "\"${name}\""),
+        &["<robot>", "expand it first"],
+    );
 }
 
 #[test]

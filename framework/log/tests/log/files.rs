@@ -138,6 +138,20 @@ fn of_two_logs_end_to_end_the_first_is_saved_and_the_second_is_told() {
     // Behind the end of the first there are the eight bytes with which it ends.
     assert_eq!(damage.at, whole.len() as u64 - 8);
     assert!(damage.what.contains("behind its end"), "{damage}");
+    // Of one that is cut, up to its last chunk.
+    fs::remove_file(&saved).unwrap();
+    let cut = &whole[..whole.len() * 6 / 10];
+    fs::write(&both, [cut, &whole].concat()).unwrap();
+    let found = repair(&both, &saved).unwrap();
+    let left = messages(&fs::read(&saved).unwrap());
+    assert!(
+        left.len() >= 300 && messages(&whole)[..left.len()] == left[..],
+        "{found:?}"
+    );
+    assert!(
+        !found.is_index_alone && found.messages_lost.is_none(),
+        "{found:?}"
+    );
 }
 
 /// Of four seconds on two channels: 800 messages in 8 chunks.

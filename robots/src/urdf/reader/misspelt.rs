@@ -7,7 +7,7 @@ use roxmltree::Node;
 use wbqp::suggestion::did_you_mean;
 
 use super::element::Reader;
-use crate::urdf::findings::Irregularity;
+use crate::urdf::findings::At;
 
 /// An element, the elements that it may have, and its attributes.
 type Known = (
@@ -106,10 +106,11 @@ impl Reader<'_, '_> {
         let Some(near) = near.filter(|_| self.findings.may_suggest()) else {
             return;
         };
+        let at = At {
+            offset: node.range().start,
+            element: &self.element,
+        };
         let found = format!("{what}, which no URDF has; did you mean `{near}`?");
-        self.repair(
-            node,
-            Irregularity::warning(found.clone(), "left out").refused_as(found),
-        );
+        self.findings.leave_out(at, &found);
     }
 }

@@ -111,30 +111,40 @@ pub(super) fn read(document: &Document<'_>, findings: &mut Findings<'_>) -> Opti
         }
     }
     description.links.extend(between);
-    doubt_lengths(&description.joints, findings);
+    doubt_lengths(&description, findings);
     Some(description)
 }
 
-/// Told once, of the longest: where one is in millimetres, all are.
-fn doubt_lengths(joints: &[Joint], findings: &mut Findings<'_>) {
-    let length = |joint: &Joint| joint.X_PJ.translation.vector.norm();
-    let longest = joints.iter().max_by(|a, b| length(a).total_cmp(&length(b)));
-    let Some(joint) = longest.filter(|joint| length(joint) > LONGEST) else {
-        return;
-    };
-    let found = format!(
-        "its origin is {:.0} m from that of its parent",
-        length(joint)
-    );
-    findings.repair(
-        At {
-            offset: joint.offset,
-            element: &format!("joint `{}`", joint.name),
-        },
-        Irregularity::warning(found.clone(), "used as it is")
-            .remedy("lengths are in metres: 1 mm is 0.001")
-            .refused_as(found),
-    );
+/// Told once of joints and once of links, of the longest: where one is in millimetres, all are.
+fn doubt_lengths(description: &Description, findings: &mut Findings<'_>) {
+    let joints = description.joints.iter().map(|joint| {
+        let length = joint.X_PJ.translation.vector.norm();
+        (length, joint.offset, format!("joint `{}`", joint.name))
+    });
+    let joint = joints.max_by(|(a, ..), (b, ..)| a.total_cmp(b));
+    let links = description.links.iter().filter_map(|link| {
+        let Inertial { offset, inertia } = link.inertial?;
+        let length = inertia.first_moment.norm() / inertia.mass;
+        (inertia.mass > 0.0).then(|| (length, offset, link.label()))
+    });
+    let link = links.max_by(|(a, ..), (b, ..)| a.total_cmp(b));
+    for (longest, what) in [
+        (joint, "its origin is {} m from that of its parent"),
+        (link, "its centre of mass is {} m from its origin"),
+    ] {
+        let Some((length, offset, element)) = longest.filter(|(length, ..)| *length > LONGEST)
+        else {
+            continue;
+        };
+        let found = what.replace("{}", &format!("{length:.0}"));
+        let element = &element;
+        findings.repair(
+            At { offset, element },
+            Irregularity::warning(found.clone(), "used as it is")
+                .remedy("lengths are in metres: 1 mm is 0.001")
+                .refused_as(found),
+        );
+    }
 }
 
 /// Whether an element is one that xacro replaces.
@@ -198,6 +208,16 @@ pub(crate) fn forgiving(text: &str) -> String {
 
 fn robot_name(root: Node<'_, '_>, findings: &mut Findings<'_>) -> String {
     match root.attribute("name") {
+        Some(name) if element::is_unexpanded(name) => {
+            findings.refuse(
+                At {
+                    offset: root.range().start,
+                    element: "<robot>",
+                },
+                format!("`{name}` is written for xacro; {EXPAND}"),
+            );
+            name.to_owned()
+        }
         Some(name) if !name.trim().is_empty() => name.to_owned(),
         _ => {
             let file = std::path::Path::new(findings.source.file);

@@ -49,8 +49,16 @@ pub enum ReadError {
     #[error("not a complete MCAP file: {0}")]
     Mcap(#[from] McapError),
     /// The file is cut, or not what was written.
-    #[error("not a complete MCAP file: {0}; `wbqp log repair` saves what is intact")]
+    #[error("not a complete MCAP file: {0}{remedy}", remedy = remedy(.0))]
     Damaged(#[from] Damage),
+}
+
+/// Of what does not begin like a log there is nothing to save.
+fn remedy(damage: &Damage) -> &'static str {
+    match damage.at {
+        0 => "",
+        _ => "; `wbqp log repair` saves what is intact",
+    }
 }
 
 impl Log {
