@@ -164,7 +164,7 @@ pub(super) fn parse_error(source: &Source<'_>, error: &roxmltree::Error) -> Robo
     let (place, what) = match error {
         Error::DtdDetected => {
             let entity = source.text.find("<!ENTITY").unwrap_or_default();
-            let what = "has entities of its own (<!ENTITY …>), which can grow without end: write out what they stand for";
+            let what = "has entities of its own (<!ENTITY …>), which can grow without end: write out what they are";
             (source.place(entity), what.to_owned())
         }
         // The parser says this without a place.
