@@ -7,6 +7,7 @@
 mod element;
 mod limit;
 mod misspelt;
+mod units;
 
 use roxmltree::{Document, Node};
 use wbqp::{
@@ -40,21 +41,6 @@ const TYPES: [&str; 6] = [
     "planar",
     "floating",
 ];
-/// A turn, with room for rounding, rad.
-const MOST_TURNED: f64 = 6.3;
-/// The longest arms in space have links of half that length, m.
-const LONGEST: f64 = 20.0;
-/// A radius of gyration below this is a number that was made up for a small body, at worst, m …
-const FARTHEST: f64 = 5.0;
-/// … and so is a moment below this, kg·m².
-const HEAVY: f64 = 1.0;
-/// A body's mass over the third power of that radius, kg/m³: less than that of masts, and a tenth of air's.
-const THINNEST: f64 = 0.1;
-/// More than three times that of a ball of osmium, kg/m³; of light bodies moments are often made up …
-const DENSEST: f64 = 1e6;
-/// … but no one makes up those of a body as heavy as this, kg.
-const HEAVIEST: f64 = 100.0;
-
 /// Reads links and joints; what is wrong goes to `findings`. Nothing if there is no robot.
 pub(super) fn read(document: &Document<'_>, findings: &mut Findings<'_>) -> Option<Description> {
     let root = document.root_element();
@@ -111,40 +97,8 @@ pub(super) fn read(document: &Document<'_>, findings: &mut Findings<'_>) -> Opti
         }
     }
     description.links.extend(between);
-    doubt_lengths(&description, findings);
+    units::doubt_lengths(&description, findings);
     Some(description)
-}
-
-/// Told once of joints and once of links, of the longest: where one is in millimetres, all are.
-fn doubt_lengths(description: &Description, findings: &mut Findings<'_>) {
-    let joints = description.joints.iter().map(|joint| {
-        let length = joint.X_PJ.translation.vector.norm();
-        (length, joint.offset, format!("joint `{}`", joint.name))
-    });
-    let joint = joints.max_by(|(a, ..), (b, ..)| a.total_cmp(b));
-    let links = description.links.iter().filter_map(|link| {
-        let Inertial { offset, inertia } = link.inertial?;
-        let length = inertia.first_moment.norm() / inertia.mass;
-        (inertia.mass > 0.0).then(|| (length, offset, link.label()))
-    });
-    let link = links.max_by(|(a, ..), (b, ..)| a.total_cmp(b));
-    for (longest, what) in [
-        (joint, "its origin is {} m from that of its parent"),
-        (link, "its centre of mass is {} m from its origin"),
-    ] {
-        let Some((length, offset, element)) = longest.filter(|(length, ..)| *length > LONGEST)
-        else {
-            continue;
-        };
-        let found = what.replace("{}", &format!("{length:.0}"));
-        let element = &element;
-        findings.repair(
-            At { offset, element },
-            Irregularity::warning(found.clone(), "used as it is")
-                .remedy("lengths are in metres: 1 mm is 0.001")
-                .refused_as(found),
-        );
-    }
 }
 
 /// Whether an element is one that xacro replaces.
@@ -338,23 +292,6 @@ impl Reader<'_, '_> {
         Some(Isometry3::from_parts(Translation3::new(x, y, z), rotation))
     }
 
-    /// No angle is more than a turn but for one in degrees.
-    fn doubt_rpy(&mut self, origin: Node<'_, '_>, rpy: [f64; 3]) {
-        let Some(angle) = rpy.into_iter().find(|angle| angle.abs() > MOST_TURNED) else {
-            return;
-        };
-        let found = format!("an angle of its rpy is {angle} rad, more than a turn");
-        self.repair(
-            origin,
-            Irregularity::warning(found.clone(), "used as it is")
-                .remedy(format!(
-                    "angles are in radians: {angle}° are {:.6} rad",
-                    angle.to_radians()
-                ))
-                .refused_as(found),
-        );
-    }
-
     /// `quat_xyzw`, of URDF 1.2.
     fn quaternion(&mut self, origin: Node<'_, '_>) -> Option<UnitQuaternion<f64>> {
         if self.findings.is_strict() {
@@ -437,48 +374,6 @@ impl Reader<'_, '_> {
             offset: node.range().start,
             inertia: Inertia::from_com(mass, Vector3::zeros(), I_cm).transformed(&X_LC),
         })
-    }
-
-    /// Moments of a body far larger or smaller than its mass makes likely: of other units, as data sheets have them.
-    fn doubt_extent(&mut self, node: Node<'_, '_>, mass: f64, I_cm: &Matrix3<f64>) {
-        let moment = I_cm.symmetric_eigenvalues().max();
-        let radius = (moment / mass).sqrt();
-        if mass > HEAVIEST && moment > 0.0 && mass > DENSEST * radius.powi(3) {
-            let found = format!(
-                "with {mass} kg and a moment of inertia of {moment} kg·m² it is denser than any metal: its mass is \
-                 {:.2} mm from its middle",
-                1e3 * radius
-            );
-            self.repair(
-                node,
-                Irregularity::warning(found.clone(), "taken as it is")
-                    .remedy(
-                        "masses are in kg (1 g is 1e-3) and moments in kg·m²; the robot's option `inertia` says \
-                         otherwise",
-                    )
-                    .unless_given([Quantity::Inertia])
-                    .refused_as(found),
-            );
-            return;
-        }
-        // Without mass it is said already; with next to none it is a frame.
-        let is_doubtful = mass > 0.0 && moment > HEAVY && radius > FARTHEST;
-        if !is_doubtful || mass > THINNEST * radius.powi(3) {
-            return;
-        }
-        let found = format!(
-            "with {mass} kg and a moment of inertia of {moment} kg·m² its mass is {radius:.1} m from its middle"
-        );
-        self.repair(
-            node,
-            Irregularity::warning(found.clone(), "taken as it is")
-                .remedy(
-                    "moments are in kg·m²: 1 g·mm² is 1e-9, 1 kg·mm² 1e-6, 1 g·cm² 1e-7; the robot's option \
-                     `inertia` says otherwise",
-                )
-                .unless_given([Quantity::Inertia])
-                .refused_as(found),
-        );
     }
 
     fn kind(&mut self, node: Node<'_, '_>) -> Option<Kind> {
