@@ -192,10 +192,13 @@ impl Settings {
         .filter(|(_, value, allowed, _)| !value.is_finite() || !allowed)
         .map(move |(key, value, _, rule)| {
             // Of a value that nobody wrote the rate is what is wrong.
-            let rule = match key {
-                "velocity_leak" if rate_is_good => format!("{rule} of `rate`, {} s", 1.0 / self.rate),
-                _ => rule.to_owned(),
-            };
+            if key == "velocity_leak" && rate_is_good && value == default_velocity_leak() {
+                let problem = format!(
+                    "is {} Hz, whose period is longer than the default `velocity_leak`, {value} s: set that too",
+                    self.rate
+                );
+                return ("rate", problem);
+            }
             (key, format!("must be finite and {rule}, is {value}"))
         })
         .chain((self.rate.is_finite() && self.rate > FASTEST).then(|| {

@@ -163,7 +163,8 @@ fn rates_that_no_loop_has() {
     // The leak is the default's.
     assert_eq!(
         rate("1"),
-        "x.toml:1:1: controller: velocity_leak: must be finite and at least one period of `rate`, 1 s, is 0.5"
+        "x.toml:2:8: controller: rate: is 1 Hz, whose period is longer than the default `velocity_leak`, 0.5 s: set \
+         that too"
     );
 }
 
