@@ -13,7 +13,7 @@ use wbqp::{
     robot::RobotModel,
 };
 
-use crate::{urdf::forgiving, xml};
+use crate::xml;
 
 /// A shape on a link.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,7 +68,7 @@ pub fn visuals(robot: &RobotModel) -> (Vec<Visual>, Vec<String>) {
     for source in &robot.sources {
         // What the loader forgives has visuals too.
         let text = source.contents.strip_prefix('\u{feff}');
-        let text = forgiving(text.unwrap_or(&source.contents));
+        let text = xml::forgiving(text.unwrap_or(&source.contents));
         let Ok(document) = xml::parse(&text) else {
             continue;
         };

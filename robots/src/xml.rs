@@ -1,11 +1,11 @@
-//! What an XML text may have, looked at before it is parsed.
+//! What an XML text may have, looked at before it is parsed, and what is said of one that cannot be.
 //!
 //! A parser compares each attribute of an element with all others of that element, and carries the namespaces of an
 //! element over to the elements in it: both take time and memory with the square of what the text has of them. Each
 //! element and each text beside it takes some 70 bytes, which is much more than the shortest of them has.
 
 use roxmltree::{Document, ParsingOptions};
-use wbqp::robot::RobotError;
+use wbqp::robot::{RobotError, SourceLocation};
 
 use crate::source::Source;
 
@@ -37,6 +37,64 @@ pub(crate) fn parse(text: &str) -> Result<Document<'_>, roxmltree::Error> {
         ..ParsingOptions::default()
     };
     Document::parse_with_options(text, options)
+}
+
+/// What roxmltree says of a text that is no XML.
+pub(crate) fn parse_error(source: &Source<'_>, error: &roxmltree::Error) -> RobotError {
+    use roxmltree::Error;
+    let at = error.pos();
+    let place = SourceLocation::at(source.file, at.row as usize, at.col as usize);
+    let (place, what) = match error {
+        Error::DtdDetected => {
+            let entity = source.text.find("<!ENTITY").unwrap_or_default();
+            let what = "has entities of its own (<!ENTITY …>), which can grow without end: write out what they are";
+            (source.place(entity), what.to_owned())
+        }
+        // The parser says this without a place.
+        Error::UnexpectedEndOfStream | Error::UnclosedRootNode
+            if !source.text.trim().is_empty() =>
+        {
+            let end = source.text.trim_end().len();
+            let what = format!(
+                "malformed XML: {}; is the file cut?",
+                without_position(error)
+            );
+            (source.place(end), what)
+        }
+        _ => (place, format!("malformed XML: {}", without_position(error))),
+    };
+    RobotError::Syntax { place, what }
+}
+
+/// The text with what other readers of URDFs forgive taken out, byte for byte in the same places: an XML declaration
+/// that does not come first, the colon of prefixes whose namespace nothing declares, and zeros behind the end.
+pub(crate) fn forgiving(text: &str) -> String {
+    let mut mended = text.trim_end_matches('\0').to_owned();
+    if let Some(start) = mended.find("<?xml").filter(|&start| start > 0)
+        && let Some(length) = mended[start..].find("?>")
+    {
+        let blank = " ".repeat(length + 2);
+        mended.replace_range(start..start + length + 2, &blank);
+    }
+    // More prefixes than these are no robot's.
+    for _ in 0..32 {
+        let Err(roxmltree::Error::UnknownNamespace(prefix, _)) = parse(&mended) else {
+            break;
+        };
+        for lead in ["<", "</", " ", "\t", "\n"] {
+            let from = format!("{lead}{prefix}:");
+            mended = mended.replace(&from, &format!("{lead}{prefix}_"));
+        }
+    }
+    mended
+}
+
+/// What roxmltree says, without the place that it says at the end: ours begin with it.
+fn without_position(error: &roxmltree::Error) -> String {
+    let said = error.to_string();
+    let place = format!(" at {}", error.pos());
+    said.strip_suffix(&place)
+        .map_or(said.clone(), str::to_owned)
 }
 
 /// Where there is too much of something, and of what. A text that is no XML has a parser that says so.

@@ -367,18 +367,19 @@ fn unheld(robot: &RobotModel, state: &State, command: &[f64]) -> Option<String> 
     data.update(&robot.model, state);
     let weight = robot.model.mass() * robot.model.gravity().norm();
     let motors = robot.actuators.iter().zip(command);
-    // Where a joint may hang as it likes, what holds the others is not what gravity asks of them at rest.
-    if robot.actuators.len() < robot.model.joints().len() {
+    let motors = motors.filter_map(|(actuator, &given)| match &actuator.kind {
+        ActuatorKind::Joint(motor) => {
+            let velocity = robot.model.velocity_index(motor.joint).index();
+            Some((actuator, data.gravity()[velocity], given))
+        }
+        ActuatorKind::Rotor(_) => None,
+    });
+    let mut asked: Vec<_> = motors.collect();
+    // Where a joint may hang as it likes, or rotors pull, motors hold other efforts than gravity's.
+    if asked.len() < robot.model.joints().len() || asked.len() < robot.actuators.len() {
         return None;
     }
-    let asked = motors.filter_map(|(actuator, &given)| {
-        let ActuatorKind::Joint(motor) = &actuator.kind else {
-            return None;
-        };
-        let asked = data.gravity()[robot.model.velocity_index(motor.joint).index()];
-        (asked.abs() > NEGLIGIBLE * weight).then_some((actuator, asked, given))
-    });
-    let asked: Vec<_> = asked.collect();
+    asked.retain(|(_, asked, _)| asked.abs() > NEGLIGIBLE * weight);
     if asked
         .iter()
         .any(|(_, asked, given)| given.abs() > IDLE * asked.abs())

@@ -194,7 +194,7 @@ impl Settings {
             // Of a value that nobody wrote the rate is what is wrong.
             if key == "velocity_leak" && rate_is_good && value == default_velocity_leak() {
                 let problem = format!(
-                    "is {} Hz, whose period is longer than the default `velocity_leak`, {value} s: set that too",
+                    "is {} Hz, whose period is longer than `velocity_leak`, {value} s: set that too",
                     self.rate
                 );
                 return ("rate", problem);

@@ -163,8 +163,7 @@ fn rates_that_no_loop_has() {
     // The leak is the default's.
     assert_eq!(
         rate("1"),
-        "x.toml:2:8: controller: rate: is 1 Hz, whose period is longer than the default `velocity_leak`, 0.5 s: set \
-         that too"
+        "x.toml:2:8: controller: rate: is 1 Hz, whose period is longer than `velocity_leak`, 0.5 s: set that too"
     );
 }
 

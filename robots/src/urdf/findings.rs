@@ -157,12 +157,13 @@ impl<'a> Findings<'a> {
 
     /// A name that is left out as misspelt.
     pub(super) fn leave_out(&mut self, at: At<'_>, found: &str) {
+        if self.is_strict() {
+            self.refuse(at, found);
+            return;
+        }
         let slip = self.source.error(at.offset, at.element, found);
         self.slips.push(slip);
-        self.repair(
-            at,
-            Irregularity::warning(found, "left out").refused_as(found),
-        );
+        self.repair(at, Irregularity::warning(found, "left out"));
     }
 
     /// The same of another file.
@@ -239,10 +240,9 @@ impl<'a> Findings<'a> {
         if self.errors.is_empty() {
             return Ok(());
         }
-        if !self.is_strict() {
-            self.errors.splice(0..0, self.slips.drain(..));
-        }
-        match RobotError::of(std::mem::take(&mut self.errors)) {
+        let mut errors = std::mem::take(&mut self.slips);
+        errors.append(&mut self.errors);
+        match RobotError::of(errors) {
             Some(error) => Err(error),
             None => Ok(()),
         }

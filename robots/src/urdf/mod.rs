@@ -68,7 +68,6 @@ use description::{Description, Kind};
 use findings::{At, Findings, Mode};
 pub(crate) use findings::{Irregularity, SUGGESTED};
 use motion::Motions;
-pub(crate) use reader::forgiving;
 
 /// A URDF as the options want it.
 pub(crate) struct Robot {
@@ -117,9 +116,9 @@ pub(crate) fn robot(
     xml::check(&source)?;
     let mended: Cow<'_, str> = match mode {
         Mode::Strict => text.into(),
-        Mode::Liberal => reader::forgiving(text).into(),
+        Mode::Liberal => xml::forgiving(text).into(),
     };
-    let document = xml::parse(&mended).map_err(|e| reader::parse_error(&source, &e))?;
+    let document = xml::parse(&mended).map_err(|e| xml::parse_error(&source, &e))?;
     let description = reader::read(&document, &mut findings);
     findings.stop_if_any()?;
     let Some(description) = description else {

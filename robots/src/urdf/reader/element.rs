@@ -2,18 +2,11 @@
 
 use roxmltree::Node;
 
+use super::xacro;
 use crate::{
     size::LARGEST_NUMBER,
     urdf::findings::{At, Findings, Irregularity},
 };
-
-/// What to do with what only xacro can read.
-pub(super) const EXPAND: &str = "expand it first: xacro robot.urdf.xacro > robot.urdf";
-
-/// Whether a text has what xacro would replace.
-pub(super) fn is_unexpanded(text: &str) -> bool {
-    text.contains("${") || text.contains("$(")
-}
 
 /// Reads the parts of one link or joint and names it in what it finds.
 pub(super) struct Reader<'r, 'a> {
@@ -83,7 +76,7 @@ impl Reader<'_, '_> {
             Ok(value) if !value.is_nan() => Some(value),
             _ => {
                 let tag = node.tag_name().name();
-                let hint = hint(text);
+                let hint = xacro::hint(text);
                 self.refuse(
                     node,
                     format!("<{tag}> {key}=\"{text}\" is not a number{hint}"),
@@ -126,7 +119,7 @@ impl Reader<'_, '_> {
             node,
             format!(
                 "<{tag}> {key}=\"{text}\" is not {count} numbers separated by spaces{}",
-                hint(text)
+                xacro::hint(text)
             ),
         );
         None
@@ -134,14 +127,5 @@ impl Reader<'_, '_> {
 
     pub(super) fn three(&mut self, node: Node<'_, '_>, key: &str) -> Option<[f64; 3]> {
         self.numbers(node, key, "three")
-    }
-}
-
-/// What a text that is no number may be.
-fn hint(text: &str) -> String {
-    if is_unexpanded(text) {
-        format!("; it is written for xacro: {EXPAND}")
-    } else {
-        String::new()
     }
 }

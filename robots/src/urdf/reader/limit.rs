@@ -14,9 +14,6 @@ use crate::{
 /// What exporters write for a range without an end, rad: up to it a range is taken as it is, and needs no word.
 const HABITUAL: f64 = 1e16;
 
-/// Turns of a joint that is not said to be continuous: no cable is wound so far.
-const MANY: f64 = 10.0;
-
 /// A joint that may move no faster, or push no harder, in rad/s, m/s, N·m or N, stands still: as good as none.
 const SMALLEST: f64 = 1e-6;
 
@@ -100,23 +97,6 @@ impl Reader<'_, '_> {
             upper,
             velocity,
             effort,
-        }
-    }
-
-    /// Many turns, as degrees would be. (Some robots' ranges are -10 to 10 rad, and meant.)
-    fn doubt_degrees(&mut self, limit: Node<'_, '_>, from: f64, to: f64) {
-        let are_all = |is_so: fn(f64) -> bool| is_so(from) && is_so(to);
-        let turns = (to - from) / std::f64::consts::TAU;
-        let is_round = turns > 4.0 && are_all(|x| x % 5.0 == 0.0);
-        if are_all(|x| x.abs() <= 360.0) && (is_round || turns > MANY) {
-            let found = format!("its range, {from} to {to} rad, is {turns:.0} turns");
-            self.repair(
-                limit,
-                Irregularity::warning(found.clone(), "used as it is")
-                    .remedy("angles are in radians; the robot's option `range` says otherwise")
-                    .unless_given([Quantity::Range])
-                    .refused_as(found),
-            );
         }
     }
 

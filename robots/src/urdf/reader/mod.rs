@@ -8,13 +8,13 @@ mod element;
 mod limit;
 mod misspelt;
 mod units;
+mod xacro;
 
 use roxmltree::{Document, Node};
 use wbqp::{
     model::Inertia,
     nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, Unit, UnitQuaternion, Vector3},
-    robot::{RobotError, SourceLocation},
-    suggestion::did_you_mean,
+    suggestion::suggestion,
 };
 
 use super::{
@@ -22,13 +22,9 @@ use super::{
     findings::{At, Findings, Irregularity, Quantity},
     planar,
 };
-use crate::{
-    direction::direction,
-    size::SMALLEST_MASS,
-    source::Source,
-    xml::{self, DEEPEST},
-};
-use element::{EXPAND, Reader};
+use crate::{direction::direction, size::SMALLEST_MASS, xml::DEEPEST};
+use element::Reader;
+use xacro::{EXPAND, is_xacro};
 
 /// What a robot has of which other programs read more than this one: no slips of `link` and `joint`.
 const PARTS: &[&str] = &["link", "joint", "material", "transmission", "gazebo"];
@@ -101,75 +97,10 @@ pub(super) fn read(document: &Document<'_>, findings: &mut Findings<'_>) -> Opti
     Some(description)
 }
 
-/// Whether an element is one that xacro replaces.
-fn is_xacro(node: &Node<'_, '_>) -> bool {
-    let tag = node.tag_name();
-    // Where nothing declares the prefix, its colon is gone.
-    node.is_element()
-        && (tag.namespace().is_some_and(|n| n.contains("xacro"))
-            || tag.name().starts_with("xacro_"))
-}
-
-/// What roxmltree says of a text that is no XML.
-pub(super) fn parse_error(source: &Source<'_>, error: &roxmltree::Error) -> RobotError {
-    use roxmltree::Error;
-    let at = error.pos();
-    let place = SourceLocation::at(source.file, at.row as usize, at.col as usize);
-    let (place, what) = match error {
-        Error::DtdDetected => {
-            let entity = source.text.find("<!ENTITY").unwrap_or_default();
-            let what = "has entities of its own (<!ENTITY …>), which can grow without end: write out what they are";
-            (source.place(entity), what.to_owned())
-        }
-        // The parser says this without a place.
-        Error::UnexpectedEndOfStream | Error::UnclosedRootNode
-            if !source.text.trim().is_empty() =>
-        {
-            let end = source.text.trim_end().len();
-            let what = format!(
-                "malformed XML: {}; is the file cut?",
-                without_position(error)
-            );
-            (source.place(end), what)
-        }
-        _ => (place, format!("malformed XML: {}", without_position(error))),
-    };
-    RobotError::Syntax { place, what }
-}
-
-/// The text with what other readers of URDFs forgive taken out, byte for byte in the same places: an XML declaration
-/// that does not come first, the colon of prefixes whose namespace nothing declares, and zeros behind the end.
-pub(crate) fn forgiving(text: &str) -> String {
-    let mut mended = text.trim_end_matches('\0').to_owned();
-    if let Some(start) = mended.find("<?xml").filter(|&start| start > 0)
-        && let Some(length) = mended[start..].find("?>")
-    {
-        let blank = " ".repeat(length + 2);
-        mended.replace_range(start..start + length + 2, &blank);
-    }
-    // More prefixes than these are no robot's.
-    for _ in 0..32 {
-        let Err(roxmltree::Error::UnknownNamespace(prefix, _)) = xml::parse(&mended) else {
-            break;
-        };
-        for lead in ["<", "</", " ", "\t", "\n"] {
-            let from = format!("{lead}{prefix}:");
-            mended = mended.replace(&from, &format!("{lead}{prefix}_"));
-        }
-    }
-    mended
-}
-
 fn robot_name(root: Node<'_, '_>, findings: &mut Findings<'_>) -> String {
     match root.attribute("name") {
-        Some(name) if element::is_unexpanded(name) => {
-            findings.refuse(
-                At {
-                    offset: root.range().start,
-                    element: "<robot>",
-                },
-                format!("`{name}` is written for xacro; {EXPAND}"),
-            );
+        Some(name) if xacro::is_unexpanded(name) => {
+            xacro::refuse_name(root, "<robot>", name, findings);
             name.to_owned()
         }
         Some(name) if !name.trim().is_empty() => name.to_owned(),
@@ -401,15 +332,8 @@ impl Reader<'_, '_> {
                 } else {
                     &TYPES
                 };
-                // A capital letter is the commonest slip, and counts for none.
-                let near = did_you_mean(&text.trim().to_lowercase(), known);
-                let hint = near.map(|near| format!("; did you mean `{near}`?"));
-                let hint = hint.unwrap_or_default();
-                let known = known.join(", ");
-                self.refuse(
-                    node,
-                    format!("unknown type `{text}`{hint} (known: {known})"),
-                );
+                let meant = suggestion(&text.trim().to_lowercase(), known);
+                self.refuse(node, format!("unknown type `{text}`{meant}"));
                 return None;
             }
         };
@@ -492,12 +416,8 @@ impl Reader<'_, '_> {
 
 fn name(node: Node<'_, '_>, element: &str, findings: &mut Findings<'_>) -> Option<String> {
     match node.attribute("name") {
-        Some(name) if element::is_unexpanded(name) => {
-            let offset = node.range().start;
-            findings.refuse(
-                At { offset, element },
-                format!("`{name}` is written for xacro; {EXPAND}"),
-            );
+        Some(name) if xacro::is_unexpanded(name) => {
+            xacro::refuse_name(node, element, name, findings);
             None
         }
         Some(name) if !name.trim().is_empty() => Some(name.to_owned()),
@@ -507,12 +427,4 @@ fn name(node: Node<'_, '_>, element: &str, findings: &mut Findings<'_>) -> Optio
             None
         }
     }
-}
-
-/// What roxmltree says, without the place that it says at the end: ours begin with it.
-fn without_position(error: &roxmltree::Error) -> String {
-    let said = error.to_string();
-    let place = format!(" at {}", error.pos());
-    said.strip_suffix(&place)
-        .map_or(said.clone(), str::to_owned)
 }

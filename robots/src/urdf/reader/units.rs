@@ -13,6 +13,8 @@ use crate::urdf::{
 
 /// A turn, with room for rounding, rad.
 const MOST_TURNED: f64 = 6.3;
+/// Turns of a joint that is not said to be continuous: no cable is wound so far.
+const MANY: f64 = 10.0;
 /// The longest arms in space have links of half that length, m.
 const LONGEST: f64 = 20.0;
 /// A radius of gyration below this is a number that was made up for a small body, at worst, m …
@@ -74,6 +76,23 @@ impl Reader<'_, '_> {
                 ))
                 .refused_as(found),
         );
+    }
+
+    /// Many turns, as degrees would be. (Some robots' ranges are -10 to 10 rad, and meant.)
+    pub(super) fn doubt_degrees(&mut self, limit: Node<'_, '_>, from: f64, to: f64) {
+        let are_all = |is_so: fn(f64) -> bool| is_so(from) && is_so(to);
+        let turns = (to - from) / std::f64::consts::TAU;
+        let is_round = turns > 4.0 && are_all(|x| x % 5.0 == 0.0);
+        if are_all(|x| x.abs() <= 360.0) && (is_round || turns > MANY) {
+            let found = format!("its range, {from} to {to} rad, is {turns:.0} turns");
+            self.repair(
+                limit,
+                Irregularity::warning(found.clone(), "used as it is")
+                    .remedy("angles are in radians; the robot's option `range` says otherwise")
+                    .unless_given([Quantity::Range])
+                    .refused_as(found),
+            );
+        }
     }
 
     /// Moments of a body far larger or smaller than its mass makes likely: of other units, as data sheets have them.
